@@ -20,7 +20,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files import journal as journal_module
-from faceedit_app.editing.files.fingerprint import fingerprint
+from faceedit_app.editing.files.fingerprint import KnownFile, fingerprint
 from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.steps import EditState
@@ -71,7 +71,8 @@ def crash(journal: Journal) -> Path:
 @pytest.mark.parametrize("count", range(1, len(STATES) + 1))
 def test_last_gesture_comes_back(tmp_path: Path, count: int) -> None:
     began = time.time()
-    journal = Journal(DEMO, tmp_path / "p.faceedit", folder=tmp_path / "new" / "folder")
+    project = KnownFile(tmp_path / "p.faceedit", fingerprint(DEMO))
+    journal = Journal(DEMO, project, folder=tmp_path / "new" / "folder")
     for state in STATES[:count]:
         journal.record(state)
     assert journal.note == ""
@@ -81,7 +82,7 @@ def test_last_gesture_comes_back(tmp_path: Path, count: int) -> None:
     assert pending.gestures == count
     assert pending.take == DEMO.absolute()
     assert pending.fingerprint == fingerprint(DEMO)
-    assert pending.project == tmp_path / "p.faceedit"
+    assert pending.project == project
     assert began - 1.0 <= pending.when <= time.time() + 1.0  # clocks of files are coarse
     pending.discard()
     assert pending_journals(journal.path.parent) == []
@@ -125,7 +126,7 @@ def test_closed_and_saved_sessions_leave_nothing_to_recover(tmp_path: Path) -> N
 
     journal = Journal(DEMO, folder=tmp_path)
     journal.record(STATES[2])
-    journal.saved(tmp_path / "p.faceedit")
+    journal.saved(KnownFile(tmp_path / "p.faceedit", None))
     crash(journal)
     assert pending_journals(tmp_path) == []
 
@@ -133,12 +134,13 @@ def test_closed_and_saved_sessions_leave_nothing_to_recover(tmp_path: Path) -> N
 def test_gestures_after_a_save_are_recovered_whole(tmp_path: Path) -> None:
     journal = Journal(DEMO, folder=tmp_path)
     journal.record(STATES[2])
-    journal.saved(tmp_path / "p.faceedit")
+    project = KnownFile(tmp_path / "p.faceedit", fingerprint(DEMO))
+    journal.saved(project)
     journal.record(STATES[3])
     crash(journal)
     (pending,) = pending_journals(tmp_path)
     assert (pending.state, pending.gestures) == (STATES[3], 1)
-    assert pending.project == tmp_path / "p.faceedit"
+    assert pending.project == project
 
 
 def test_running_session_is_left_alone(tmp_path: Path) -> None:

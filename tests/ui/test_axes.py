@@ -51,6 +51,13 @@ def assert_readable(numbers: Drawn, room: QRectF) -> None:
             assert not one.intersects(other)
 
 
+def test_the_playhead_at_the_start_leaves_the_first_time_readable(panel: CurvesPanel) -> None:
+    panel.timeline.show_range(0.0, 10.0)
+    QApplication.processEvents()
+    rect, text = drawn(panel.ruler.times)[0]
+    assert (text, rect.left() > 2) == ("0 s", True)
+
+
 @pytest.mark.parametrize("unit", list(Unit))
 def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
     line, axis = panel.timeline, panel.ruler.times

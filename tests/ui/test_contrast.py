@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 
 import pytest
-from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPalette
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QAbstractSpinBox,
-    QApplication,
-    QComboBox,
-    QLabel,
-    QTabBar,
-    QToolButton,
-    QWidget,
-)
+from PySide6.QtGui import QPalette
+from PySide6.QtWidgets import QApplication
+from support.contrast import LEAST, contrast, unreadable_texts
 from support.waiting import run_events
 from support.windows import Bench, add_edit, session_of
 
@@ -26,22 +16,6 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.look import palette
 from faceedit_app.ui.look.theme import window_palette
 from faceedit_app.ui.start.window import MainWindow
-
-LEAST = 4.5
-SCALE = 4  # pixels of the picture per pixel of the screen: letters then have their full colour
-TEXTS = QLabel, QAbstractButton, QAbstractSpinBox, QComboBox, QTabBar
-
-
-def luminance(color: QColor) -> float:
-    """Relative luminance of sRGB, as WCAG defines it."""
-    parts = (color.redF(), color.greenF(), color.blueF())
-    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
-def contrast(one: QColor | str, other: QColor | str) -> float:
-    low, high = sorted(luminance(QColor(color)) for color in (one, other))
-    return (high + 0.05) / (low + 0.05)
 
 
 def test_contrast_is_that_of_the_standard() -> None:
@@ -94,40 +68,6 @@ def test_the_colours_of_the_curves_stand_out() -> None:
         assert contrast(control.color, style.PLOT) >= LEAST
 
 
-def picture_of(window: QWidget) -> QImage:
-    size = window.size() * SCALE
-    picture = QImage(size, QImage.Format.Format_RGB32)
-    picture.setDevicePixelRatio(SCALE)
-    with QPainter(picture) as painter:
-        window.render(painter, QPoint())
-    return picture
-
-
-def contrast_in(picture: QImage, place: QRect) -> float:
-    """Between the commonest colour of a place and the one that differs most from it."""
-    part = picture.copy(
-        place.x() * SCALE, place.y() * SCALE, place.width() * SCALE, place.height() * SCALE
-    )
-    colors = Counter(
-        part.pixel(x, y) for x in range(0, part.width()) for y in range(0, part.height(), 2)
-    )
-    behind = QColor.fromRgb(colors.most_common(1)[0][0])
-    often = [color for color, count in colors.items() if count > 4]
-    return max(contrast(QColor.fromRgb(color), behind) for color in often)
-
-
-def text_of(widget: QWidget) -> str:
-    if isinstance(widget, QTabBar):
-        return widget.tabText(0)
-    if isinstance(widget, QComboBox):
-        return widget.currentText()
-    if isinstance(widget, QToolButton):
-        is_icon = widget.toolButtonStyle() is Qt.ToolButtonStyle.ToolButtonIconOnly
-        return "" if is_icon else widget.text()
-    assert isinstance(widget, QLabel | QAbstractButton | QAbstractSpinBox)
-    return widget.text()
-
-
 def with_edit(window: MainWindow) -> None:
     add_edit(window)
     assert window.editor is not None
@@ -153,17 +93,6 @@ def test_every_text_in_the_window_can_be_read(
     state(window)
     run_events()
     QApplication.processEvents()
-    picture = picture_of(window)
-    seen = 0
-    for kind in TEXTS:
-        for widget in window.findChildren(kind):
-            if not widget.isVisible() or widget.window() is not window or not text_of(widget):
-                continue
-            if widget.visibleRegion().isEmpty() or (isinstance(widget, QLabel) and widget.pixmap()):
-                continue
-            place = QRect(widget.mapTo(window, QPoint()), widget.size())
-            place &= window.rect()
-            found = contrast_in(picture, place)
-            assert found >= LEAST - 0.1, (found, widget.objectName(), text_of(widget))
-            seen += 1
+    seen, bad = unreadable_texts(window)
+    assert bad == []
     assert seen > 30

@@ -9,7 +9,14 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMenu
-from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
+from support.windows import (
+    Bench,
+    drag_curve,
+    editor_of,
+    session_of,
+    trigger_enabled,
+    with_problems,
+)
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -68,6 +75,19 @@ def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -
     window.timeline.go_to_time(6.0)
     trigger_enabled(window, "fix_blink")
     assert abs(session.edits[1].start - 6.0) < 0.3
+
+
+def test_an_edit_of_one_moment_is_no_range_for_a_smile(window: MainWindow) -> None:
+    """Under its handles, a smile would last for a blink; a longer hold is a range."""
+    session = session_of(window)
+    drag_curve(window, 0, 3.0, 15)
+    assert session.edits[0].start == session.edits[0].end == window.timeline.time
+    trigger_enabled(window, "fix_smile")
+    assert session.edits[1].end - session.edits[1].start > 9
+    editor_of(window).edits.select(0)
+    editor_of(window).curves.fields.end.setValue(3.5)
+    trigger_enabled(window, "fix_smile")
+    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((3.0, 3.5), abs=0.02)
 
 
 def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:

@@ -270,3 +270,38 @@ def test_a_preview_of_an_open_dialog_is_not_exported(bench: Bench) -> None:
     trigger(window, "export")
     assert exported.read_bytes() == wanted
     assert not session_of(window).is_previewing
+
+
+@pytest.mark.parametrize("way", ["a crash", "another frame rate"])
+def test_the_project_of_another_window_is_asked_about_after(
+    way: str, bench: Bench, crash: Crash, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What brings the take back into the window still knows how the project was read."""
+    asked: list[str] = []
+
+    def ask(_parent: object, name: str) -> Changed:
+        asked.append(name)
+        return Changed.CANCEL
+
+    monkeypatch.setattr(dialogs, "ask_changed", ask)
+    window = bench.editing()
+    add_edit(window)
+    path = bench.answers["save_project"] = bench.folder / "scene.faceedit"
+    trigger(window, "save")
+    add_edit(window, 3.0)
+    if way == "a crash":
+        crash.kill(window)
+    of_other = path.read_bytes().replace(b'"value": 6.0', b'"value": 5.0')
+    path.write_bytes(of_other)
+    if way == "a crash":
+        window = crash.start_again()
+        bench.qtbot.waitUntil(lambda: window.document.session is not None, timeout=15_000)
+    else:
+        before = session_of(window)
+        monkeypatch.setattr(dialogs, "ask_rate", lambda *_: 50.0)
+        trigger(window, "frame_rate")
+        bench.qtbot.waitUntil(lambda: session_of(window) is not before, timeout=15_000)
+    assert window.document.project == path
+    trigger(window, "save")
+    assert asked == ["scene.faceedit"]
+    assert path.read_bytes() == of_other

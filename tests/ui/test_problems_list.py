@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QEvent, QModelIndex, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QToolButton
+from PySide6.QtWidgets import QLabel, QMenu, QToolButton
 from support.waiting import run_events
 from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
 
@@ -301,3 +301,69 @@ def test_a_list_of_thousands_makes_the_texts_of_what_is_in_view(
     editor.problems.found.emit()
     editor.problem_list.grab()
     assert 0 < len(asked) < 500
+
+
+def press_on_list(window: MainWindow, key: Qt.Key) -> None:
+    QTest.keyClick(editor_of(window).problem_list.rows, key)
+
+
+def test_the_arrows_go_through_the_list(window: MainWindow) -> None:
+    """As they go from mark to mark elsewhere; the fix can be shown at once."""
+    editor = editor_of(window)
+    blink, lips = editor.problems.problems
+    trigger_enabled(window, "next_problem", "list_problems")
+    assert window.timeline.time == pytest.approx(blink.time, abs=1e-3)
+    press_on_list(window, Qt.Key.Key_Down)
+    assert window.timeline.time == pytest.approx(lips.time, abs=1e-3)
+    trigger_enabled(window, "fix_problem")
+    assert editor.proposal.problem == lips
+    press_on_list(window, Qt.Key.Key_Up)
+    assert window.timeline.time == pytest.approx(blink.time, abs=1e-3)
+    assert not editor.proposal.is_open, "the fix of another problem"
+
+
+def test_each_of_all_fixes_can_be_looked_at(window: MainWindow) -> None:
+    """Going to a problem leaves the proposal for all of them; keys untick and tick it."""
+    editor, session = editor_of(window), session_of(window)
+    blink, lips = editor.problems.problems
+    trigger_enabled(window, "fix_all", "list_problems")
+    tree = editor.problem_list.rows
+    for problem, cell in zip((blink, lips), cells(window), strict=True):
+        place = tree.visualRect(cell).center()
+        QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=place)
+        assert window.timeline.time == pytest.approx(problem.time, abs=1e-3)
+        assert editor.proposal.is_open
+    trigger_enabled(window, "tick_problem")
+    assert not window.actions_["tick_problem"].isChecked()
+    trigger_enabled(window, "previous_problem")
+    assert window.actions_["tick_problem"].isChecked()
+    trigger_enabled(window, "accept_fix")
+    assert session.edits == blink.fix
+
+
+def test_what_is_unticked_last_is_not_fixed_either(window: MainWindow) -> None:
+    editor, session = editor_of(window), session_of(window)
+    blink, _lips = editor.problems.problems
+    trigger_enabled(window, "fix_all", "untick_all")
+    assert not editor.proposal.is_open
+    np.testing.assert_array_equal(session.asked, session.tracked)
+    assert not window.actions_["fix_all"].isEnabled()
+    trigger_enabled(window, "next_problem", "tick_problem", "fix_all", "accept_fix")
+    assert session.edits == blink.fix
+    assert not window.actions_["fix_all"].isEnabled()
+    trigger_enabled(window, "tick_all", "fix_all")
+
+
+def test_a_right_click_on_a_row_goes_to_it_and_shows_its_menu(window: MainWindow) -> None:
+    editor = editor_of(window)
+    lips = editor.problems.problems[1]
+    trigger_enabled(window, "list_problems")
+    tree = editor.problem_list.rows
+    tree.customContextMenuRequested.emit(tree.visualRect(cells(window)[1]).center())
+    assert window.timeline.time == pytest.approx(lips.time, abs=1e-3)
+    (menu,) = [menu for menu in editor.problem_list.findChildren(QMenu) if menu.isVisible()]
+    (tick,) = [action for action in menu.actions() if action.text().startswith("&Tick this")]
+    assert tick.isChecked()
+    tick.trigger()
+    menu.close()
+    assert editor.problem_list.chosen == editor.problems.problems[:1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -37,6 +38,15 @@ def assert_nothing_is_stale(panel: CurvesPanel, what: str) -> None:
     apart = np.abs(on_screen(panel).astype(int) - before)
     differs = np.argwhere((apart > 2).any(axis=2))
     assert not len(differs), f"{what}: {len(differs)} pixels, {differs.min(0)} to {differs.max(0)}"
+
+
+@pytest.fixture(autouse=True)
+def still_cursor(qapp: QApplication) -> Iterator[None]:
+    """The text cursor of a number field blinks, which no painting of ours does."""
+    usual = qapp.cursorFlashTime()
+    qapp.setCursorFlashTime(0)
+    yield
+    qapp.setCursorFlashTime(usual)
 
 
 @pytest.mark.parametrize("frames", [250, 5_000])

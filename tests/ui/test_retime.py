@@ -118,6 +118,25 @@ def test_a_second_drag_goes_on_with_the_chosen_retime(window: MainWindow) -> Non
     assert now - was == pytest.approx(0.2, abs=0.02)
 
 
+@pytest.mark.parametrize("beyond", [0.0, 3.0])
+def test_a_selection_that_ends_after_the_last_frame_is_dragged_as_far_as_the_take_goes(
+    window: MainWindow, beyond: float
+) -> None:
+    """As one from a project, or up to the take's whole length, which is a frame longer."""
+    session, plot = session_of(window), begin(window)
+    last = float(session.take.clip.times[-1])
+    window.timeline.select((8.0, session.take.clip.duration + beyond))
+    drag(plot, place(plot, 9.0), place(plot, 8.6), previews=True)
+    edit = only_edit(window)
+    assert edit.end <= last
+    assert edit.pins[0] == pytest.approx((8.0, 7.6), abs=0.03)
+    trigger(window, "undo")
+    window.timeline.go_to_time(6.0)
+    trigger(window, "deselect")
+    trigger(window, "mark_start")
+    assert window.timeline.selection == pytest.approx((6.0, last), abs=0.02)
+
+
 def test_without_a_selection_the_moment_under_the_pointer_moves(window: MainWindow) -> None:
     trigger(window, "tool_retime")
     plot = plot_of(window)

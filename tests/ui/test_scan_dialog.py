@@ -74,8 +74,8 @@ def test_a_scan_becomes_the_character_that_is_shown(
     QTest.mouseClick(dialog.again, Qt.MouseButton.LeftButton)
     assert not dialog.save.isEnabled()
     bench.qtbot.waitUntil(dialog.save.isEnabled, timeout=60_000)
-    moved = dialog.points.place("chin").toPoint()
-    assert (moved - stop).manhattanLength() < (moved - start).manhattanLength()
+    moved = dialog.points.place("chin").y()
+    assert stop.y() - 3 < moved < start.y() - 3, "it follows the hand as far as a face allows"
 
     path = tmp_path / "made.glb"
     monkeypatch.setattr(dialogs, "ask_save_character", lambda *_: path)

@@ -12,10 +12,11 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from support.faces import shipped_rig
 from support.waiting import wait_for_timers
-from support.windows import Bench, FakeRenderer, drag
+from support.windows import Bench, FakeRenderer, drag, editor_of, session_of
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
+from faceedit_app.ui.face.resolution import DRAGGED, PLAYED, Quality
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.palette import ACCENT
 from faceedit_app.ui.start.window import MainWindow
@@ -63,10 +64,57 @@ def test_nothing_is_drawn_while_nothing_changes(bench: Bench, viewport: Viewport
 
 
 def test_rough_while_it_changes_and_smooth_when_idle(bench: Bench, viewport: Viewport) -> None:
+    viewport.quality.forget()  # how fast smooth ones would be
     viewport.show_weights(weights(0.5))
     assert [smooth for *_, smooth in settle(bench).calls] == [False]
     wait_for_timers(viewport)
     assert [smooth for *_, smooth in bench.renderers[0].calls] == [False, True]
+
+
+def test_where_smooth_pictures_are_fast_there_are_no_others(
+    bench: Bench, viewport: Viewport
+) -> None:
+    """The edges do not flicker, and at rest nothing is drawn again."""
+    viewport.quality.play(1e-3)  # pictures a second
+    for jaw in (0.3, 0.6, 0.9):
+        viewport.show_weights(weights(jaw))
+        settle(bench)
+    wait_for_timers(viewport)
+    assert [smooth for *_, smooth in bench.renderers[0].calls] == [True, True, True]
+
+
+def test_playback_tries_smooth_pictures_and_goes_on_with_rough_ones_if_they_are_slow() -> None:
+    quality, frame = Quality(), PLAYED / 30.0
+    assert not quality.is_smooth, "a drag does not try"
+    quality.play(60.0)
+    assert not quality.is_smooth, "there is no time to try"
+    quality.play(30.0)
+    for took, after in ((5.0, True), (0.9, True), (1.1, True), (1.1, True), (1.1, False)):
+        quality.drew(took * frame, smooth=True)
+        assert quality.is_smooth is after, took
+    quality.drew(0.1 * frame, smooth=False)
+    assert not quality.is_smooth
+    quality.play(30.0)
+    assert quality.is_smooth
+    for took in (0.5 * DRAGGED, 2.0 * DRAGGED, 2.0 * DRAGGED):
+        quality.drew(took, smooth=True)
+    quality.rest()
+    assert quality.is_smooth, "fast enough for a drag too"
+    quality.forget()
+    assert not quality.is_smooth
+
+
+def test_the_viewport_knows_when_it_is_played(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    quality, playback = editor_of(window).face.viewport.quality, window.workspace.playback
+    said: list[str] = []
+    monkeypatch.setattr(quality, "play", lambda rate: said.append(f"play at {rate:.0f}"))
+    monkeypatch.setattr(quality, "rest", lambda: said.append("rest"))
+    playback.play()
+    playback.pause()
+    assert said == [f"play at {session_of(window).take.clip.rate:.0f}", "rest"]
 
 
 def test_what_the_next_picture_needs_is_done_once_nobody_waits(
@@ -148,7 +196,8 @@ def test_a_chosen_camera_survives_a_resize(viewport: Viewport) -> None:
 def test_a_slow_computer_gets_coarser_pictures_while_things_move(
     bench: Bench, viewport: Viewport
 ) -> None:
-    viewport._rough.adapt(1.0)
+    viewport.quality.forget()
+    viewport.quality.drew(1.0, smooth=False)
     viewport.show_weights(weights(0.5))
     rough = settle(bench).calls[-1][0]
     wait_for_timers(viewport)

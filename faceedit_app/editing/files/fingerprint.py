@@ -52,6 +52,38 @@ def fingerprint(path: Path) -> Fingerprint:
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
 
 
+@dataclass(frozen=True)
+class KnownFile:
+    """A file as a session read or wrote it last.
+
+    Attributes:
+        path: the file.
+        mark: its fingerprint then; None if that is not known.
+    """
+
+    path: Path
+    mark: Fingerprint | None
+
+    @property
+    def was_changed(self) -> bool:
+        """Whether it may have been changed since; a file that is gone has not."""
+        if not self.path.is_file():
+            return False
+        try:
+            return fingerprint(self.path) != self.mark
+        except FileError:
+            return False  # writing will say why
+
+
+def known(path: Path) -> KnownFile:
+    """A file as it is now.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    return KnownFile(path, fingerprint(path))
+
+
 def fingerprint_of(take: Take) -> Fingerprint:
     """The fingerprint of a take's file as it was when it was opened.
 

@@ -24,7 +24,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.filelock import lock
 from faceedit_app.editing.edits.edit import Edit, to_json
 from faceedit_app.editing.edits.media import to_json as placement_to_json
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
+from faceedit_app.editing.files.fingerprint import Fingerprint, KnownFile, fingerprint
 from faceedit_app.editing.steps import EditState
 from faceedit_app.words.transcript import to_json as words_to_json
 
@@ -49,7 +49,7 @@ class Journal:
 
     Args:
         take: the open take.
-        project: the project that it was opened from, if any.
+        project: the project that it was opened from, if any, as it was then.
         folder: where journals are; None = `journal_folder()`.
         fps: the take's frame rate, if the user had to give it.
         opened: the fingerprint of the take as it was opened; None = that of the file now.
@@ -59,7 +59,7 @@ class Journal:
     def __init__(
         self,
         take: Path,
-        project: Path | None = None,
+        project: KnownFile | None = None,
         folder: Path | None = None,
         fps: float | None = None,
         opened: Fingerprint | None = None,
@@ -174,7 +174,7 @@ class Journal:
         if old is not None:
             os.close(old)
 
-    def saved(self, project: Path | None = None) -> None:
+    def saved(self, project: KnownFile | None = None) -> None:
         """Forget the gestures so far: they are saved."""
         if project is not None:
             self._project = project
@@ -205,7 +205,9 @@ class Journal:
     def _head(self) -> dict[str, Any]:
         head: dict[str, Any] = {"version": VERSION, "take": str(self._take)}
         if self._project is not None:
-            head["project"] = str(self._project.absolute())
+            head["project"] = str(self._project.path.absolute())
+            if self._project.mark is not None:
+                head["project_fingerprint"] = asdict(self._project.mark)
         if self._print is not None:
             head["fingerprint"] = asdict(self._print)
         if self._fps is not None:

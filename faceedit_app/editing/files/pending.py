@@ -14,7 +14,7 @@ from faceedit_app.core.filelock import try_lock
 from faceedit_app.editing.edits.edit import edits_from
 from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint_from
+from faceedit_app.editing.files.fingerprint import Fingerprint, KnownFile, fingerprint_from
 from faceedit_app.editing.files.project import exported_over_from, settings_from
 from faceedit_app.editing.steps import EditState
 from faceedit_app.words.transcript import transcript_from
@@ -30,7 +30,7 @@ class Pending:
         path: its journal.
         take: its take.
         fingerprint: the fingerprint of the take; None if the take could not be read.
-        project: its project, if any.
+        project: its project, if any, as it was opened or saved last.
         state: the state after the last finished gesture.
         gestures: the number of gestures since the last save.
         when: the time of the last gesture, in seconds since the epoch.
@@ -41,7 +41,7 @@ class Pending:
     path: Path
     take: Path
     fingerprint: Fingerprint | None
-    project: Path | None
+    project: KnownFile | None
     state: EditState
     gestures: int
     when: float
@@ -107,8 +107,10 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         if head.whole("version") != journal.VERSION:
             return None
         take = Path(head.path("take"))
-        project = Path(head.path("project")) if head.has("project") else None
-        print_ = fingerprint_from(head.fields("fingerprint")) if head.has("fingerprint") else None
+        print_ = _mark(head, "fingerprint")
+        project = None
+        if head.has("project"):
+            project = KnownFile(Path(head.path("project")), _mark(head, "project_fingerprint"))
         fps = head.number_or_none("fps", 1.0, 1000.0)
         exported_over = exported_over_from(head)
     except ValueError:
@@ -128,6 +130,15 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
     if state is None:
         return None
     return Pending(path, take, print_, project, state, gestures, when, fps, exported_over)
+
+
+def _mark(head: Fields, name: str) -> Fingerprint | None:
+    """A fingerprint in the first line, if it is there.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    return fingerprint_from(head.fields(name)) if head.has(name) else None
 
 
 def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:

@@ -14,7 +14,7 @@ from faceedit_app.render import Camera
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
 
-SIZE = 380  # pixels of a side
+SIZE = 360  # pixels of a side
 
 
 class Picture(QWidget):

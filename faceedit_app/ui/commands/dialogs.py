@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import (
-    QFileDialog,
     QInputDialog,
     QMainWindow,
     QMessageBox,
@@ -18,6 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.ui.commands import file_kinds
+from faceedit_app.ui.commands.file_dialogs import open_name, save_name
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
@@ -78,12 +78,12 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
     """Which take to open."""
-    return _open_name(parent, "Open a take or a project", folder, file_kinds.all_that_opens())
+    return open_name(parent, "Open a take or a project", folder, file_kinds.all_that_opens())
 
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take; a suggestion without an ending is a new folder."""
-    return _save_name(parent, "Export", suggestion, file_kinds.like(suggestion.suffix))
+    return save_name(parent, "Export", suggestion, file_kinds.like(suggestion.suffix))
 
 
 def ask_export_as(
@@ -135,7 +135,7 @@ def ask_record_name(
     parent: QWidget, suggestion: Path, kinds: str = file_kinds.RECORDINGS
 ) -> Path | None:
     """Where to write a recording, a take or a film."""
-    return _save_name(parent, "Record to", suggestion, kinds)
+    return save_name(parent, "Record to", suggestion, kinds)
 
 
 def ask_stop_film(parent: QWidget) -> bool:
@@ -175,7 +175,7 @@ def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
 
 def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the project."""
-    return _save_name(parent, "Save the project", suggestion, file_kinds.PROJECTS)
+    return save_name(parent, "Save the project", suggestion, file_kinds.PROJECTS)
 
 
 def ask_take_of_project(
@@ -194,7 +194,7 @@ def ask_take_of_project(
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
     if box.clickedButton() is look:
-        return _open_name(parent, "The project's take", folder, file_kinds.takes())
+        return open_name(parent, "The project's take", folder, file_kinds.takes())
     return next((path for button, path in paths.items() if button is box.clickedButton()), None)
 
 
@@ -223,48 +223,48 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
 
 def ask_save_edits(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the list of edits."""
-    return _save_name(parent, "Save edits", suggestion, file_kinds.EDITS)
+    return save_name(parent, "Save edits", suggestion, file_kinds.EDITS)
 
 
 def ask_load_edits(parent: QWidget, folder: Path) -> Path | None:
     """Which edits file to load."""
-    return _open_name(parent, "Load edits", folder, file_kinds.EDITS)
+    return open_name(parent, "Load edits", folder, file_kinds.EDITS)
 
 
 def ask_media(parent: QWidget, folder: Path) -> Path | None:
     """Which sound or film to add."""
-    return _open_name(parent, "Add sound or film", folder, file_kinds.MEDIA)
+    return open_name(parent, "Add sound or film", folder, file_kinds.MEDIA)
 
 
 def ask_words(parent: QWidget, folder: Path) -> Path | None:
     """Which file says what is said."""
-    return _open_name(parent, "Open words", folder, file_kinds.WORDS)
+    return open_name(parent, "Open words", folder, file_kinds.WORDS)
 
 
 def ask_match(parent: QWidget, folder: Path) -> Path | None:
     """Which sound, or file with the times of its words, the take is matched to."""
     title = "Match another sound, or words with times"
-    return _open_name(parent, title, folder, file_kinds.SOUND_OR_WORDS)
+    return open_name(parent, title, folder, file_kinds.SOUND_OR_WORDS)
 
 
 def ask_save_words(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the words; the ending says as what."""
-    return _save_name(parent, "Export words", suggestion, file_kinds.WRITTEN_WORDS)
+    return save_name(parent, "Export words", suggestion, file_kinds.WRITTEN_WORDS)
 
 
 def ask_character(parent: QWidget, folder: Path) -> Path | None:
     """Which character to open."""
-    return _open_name(parent, "Open a character", folder, file_kinds.characters())
+    return open_name(parent, "Open a character", folder, file_kinds.characters())
 
 
 def ask_scan(parent: QWidget, folder: Path) -> Path | None:
     """Which scan to make a character from."""
-    return _open_name(parent, "A head without blendshapes", folder, file_kinds.SCANS)
+    return open_name(parent, "A head without blendshapes", folder, file_kinds.SCANS)
 
 
 def ask_save_character(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save a character."""
-    return _save_name(parent, "Save the character", suggestion, file_kinds.WRITTEN_CHARACTERS)
+    return save_name(parent, "Save the character", suggestion, file_kinds.WRITTEN_CHARACTERS)
 
 
 def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
@@ -280,23 +280,23 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
 
 def ask_film_to_track(parent: QWidget, folder: Path) -> Path | None:
     """Which film to track."""
-    return _open_name(parent, "Track a film", folder, file_kinds.FILMS)
+    return open_name(parent, "Track a film", folder, file_kinds.FILMS)
 
 
 def ask_save_take(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take of a film."""
-    return _save_name(parent, "Save the tracked take as", suggestion, file_kinds.TRACKED_TAKES)
+    return save_name(parent, "Save the tracked take as", suggestion, file_kinds.TRACKED_TAKES)
 
 
 def ask_save_side_by_side(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write film and face side by side."""
     title = "Export film and face side by side"
-    return _save_name(parent, title, suggestion, file_kinds.MP4)
+    return save_name(parent, title, suggestion, file_kinds.MP4)
 
 
 def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to save the picture of the face."""
-    return _save_name(parent, "Save picture", suggestion, file_kinds.PICTURES)
+    return save_name(parent, "Save picture", suggestion, file_kinds.PICTURES)
 
 
 def ask_preset_name(parent: QWidget) -> str | None:
@@ -378,18 +378,3 @@ def _choice(box: QMessageBox, choices: Mapping[QPushButton, Choice], cancel: Cho
     box.exec()
     clicked = box.clickedButton()
     return next((what for button, what in choices.items() if button is clicked), cancel)
-
-
-def _save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
-    dialog = QFileDialog(parent, title, str(suggestion.parent), kinds)
-    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-    # Added before Qt asks whether to replace a file, so that it asks about the right one.
-    dialog.setDefaultSuffix(suggestion.suffix)
-    dialog.selectFile(suggestion.name)
-    return Path(dialog.selectedFiles()[0]) if dialog.exec() else None
-
-
-def _open_name(parent: QWidget, title: str, folder: Path, kinds: str) -> Path | None:
-    short = QFileDialog.Option.HideNameFilterDetails  # the endings would fill the list of kinds
-    name, _ = QFileDialog.getOpenFileName(parent, title, str(folder), kinds, options=short)
-    return Path(name) if name else None

@@ -180,8 +180,9 @@ class EditCommands:
 
     def _selection(self, what: str) -> tuple[float, float] | None:
         selection = self._timeline.selection
-        if selection is None:
+        if selection is None or selection[0] == selection[1]:
             self._workspace.message.emit(f"To {what} a time range, select it first")
+            return None
         return selection
 
     @property

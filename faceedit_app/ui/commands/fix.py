@@ -31,9 +31,6 @@ if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.help.problems import Problem
 
 
-WHOLE = 0.98  # of the take: an edit with such a range is one of the whole take
-
-
 class FixCommands:
     """Applies fixes and presets, and steps through problems."""
 
@@ -59,29 +56,15 @@ class FixCommands:
         if session is None:
             return ()
         self._workspace.end_gestures()
-        return apply_preset(session, preset, self._range_meant(), line.time, line.falloff)
-
-    def _range_meant(self) -> tuple[float, float] | None:
-        """The selection; if it is the selected edit's, only while the playhead is in it."""
-        selection, page = self._timeline.selection, self._workspace.page
-        line = self._timeline
-        if selection is None or page is None or line.own_selection is not None:
-            return selection
-        is_whole = selection[1] - selection[0] > WHOLE * line.duration
-        is_here = selection[0] <= line.time <= selection[1]
-        return selection if is_here and not is_whole else None
+        return apply_preset(session, preset, line.range_meant, line.time, line.falloff)
 
     def expression(self) -> None:
         """Show the slider from sad to smiling."""
         if self._document.session is None:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
-        span = self._range_meant()
-        where = "in the whole take"
-        if span:
-            line = self._timeline
-            is_moment = line.clip is not None and len(set(map(line.clip.frame_at, span))) == 1
-            where = "here" if is_moment else f"from {self._workspace.shown_range(*span)}"
+        span = self._timeline.range_meant
+        where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
         SliderDialog(
             self._workspace.window,
             self._document,
@@ -195,10 +178,11 @@ class FixCommands:
                 self.go_to(index)
 
     def go_to(self, index: int) -> None:
-        """Show a problem."""
+        """Show a problem; a proposal for all of them stays, so that one can look at each."""
         page = self._workspace.page
         if page is not None:
-            page.proposal.discard()
+            if not page.proposal.is_for_all:
+                page.proposal.discard()
             page.problems.go_to(index)
             problem = page.problems.problems[index]
             helpless = "" if problem.fix else "; edits cannot help here"
@@ -211,7 +195,14 @@ class FixCommands:
             self._workspace.end_gestures()
             message = f"Fix shown. {problem.message}."
             found = self._variations(problem.fix)
-            page.proposal.offer(message, problem.fix, "Fix problem", problem, variations=found)
+            page.proposal.offer(
+                message,
+                problem.fix,
+                "Fix problem",
+                problem,
+                short=problem.message,
+                variations=found,
+            )
 
     @staticmethod
     def _variations(fix: tuple[Edit, ...]) -> list[tuple[Edit, ...]]:
@@ -234,13 +225,45 @@ class FixCommands:
         if edits:
             count = counted(len(chosen), "problem")
             text = f"Fixes for {count} are shown; untick those that you do not want."
-            page.proposal.offer(text, edits, f"Fix {count}")
+            page.proposal.offer(text, edits, f"Fix {count}", short="Untick what is not to be fixed")
 
     @property
     def can_fix_all(self) -> bool:
         """Whether a problem that can be fixed is ticked."""
         page = self._workspace.page
         return page is not None and bool(page.problem_list.chosen)
+
+    def tick_problem(self) -> None:
+        """Tick the problem at the playhead, or untick it."""
+        page, problem = self._workspace.page, self.problem
+        if page is not None and problem is not None:
+            model = page.problem_list.model
+            model.tick((problem,), not model.is_ticked(problem))
+
+    def tick_all(self, on: bool) -> None:
+        """Tick all problems in the list, or none."""
+        page = self._workspace.page
+        if page is not None:
+            page.problem_list.model.tick_all(on)
+
+    @property
+    def is_ticked(self) -> bool:
+        """Whether the problem at the playhead is ticked."""
+        page, problem = self._workspace.page, self.problem
+        return (
+            page is not None and problem is not None and page.problem_list.model.is_ticked(problem)
+        )
+
+    @property
+    def can_tick(self) -> bool:
+        """Whether the list has problems that can be fixed."""
+        page = self._workspace.page
+        return page is not None and page.problem_list.model.can_tick
+
+    @property
+    def can_fix(self) -> bool:
+        """Whether the problem at the playhead can be fixed."""
+        return self.problem is not None and bool(self.problem.fix)
 
     def list_problems(self) -> None:
         """Show the list of problems."""
@@ -336,12 +359,21 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             enabled=lambda do: bool(do.problems), submenu=PROBLEMS),
     Command("fix_problem", "Fi&x this problem", FixCommands.fix_problem, ("P",),
             "Preview a fix for the problem at the playhead, to accept or discard",
-            enabled=lambda do: do.problem is not None and bool(do.problem.fix), submenu=PROBLEMS),
+            enabled=lambda do: do.can_fix, submenu=PROBLEMS),
     Command("fix_all", "Fix all problems", FixCommands.fix_all, ("Ctrl+Shift+P",),
             "Preview fixes for all problems that are ticked in the list, to accept or discard",
             enabled=lambda do: do.can_fix_all, submenu=PROBLEMS),
     Command("list_problems", "&List of problems", FixCommands.list_problems, ("Ctrl+P",),
             "Show the problems as a list: what, when and how bad", submenu=PROBLEMS),
+    Command("tick_problem", "&Tick this problem", FixCommands.tick_problem, ("Shift+P",),
+            "Tick the problem at the playhead in the list, or untick it", submenu=PROBLEMS,
+            enabled=lambda do: do.can_fix, checked=lambda do: do.is_ticked),
+    Command("tick_all", "Tick all", lambda do: do.tick_all(True), (),
+            "Tick all problems in the list, to fix them together",
+            enabled=lambda do: do.can_tick, submenu=PROBLEMS),
+    Command("untick_all", "&Untick all", lambda do: do.tick_all(False), (),
+            "Untick all problems in the list, to tick the few that you want fixed",
+            enabled=lambda do: do.can_tick, submenu=PROBLEMS),
     Command("previous_variation", "Previous variation", lambda do: do.vary(-1), ("[",),
             "Show the previous variation of the proposal", "back",
             enabled=lambda do: do.has_variations, submenu=PROBLEMS),

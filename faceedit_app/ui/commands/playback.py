@@ -79,13 +79,14 @@ class PlaybackCommands:
     def mark_start(self) -> None:
         """Start the selection at the playhead."""
         line = self._timeline
-        end = line.selection[1] if line.selection else line.duration
-        line.select((line.time, end if end > line.time else line.snap(line.duration)))
+        last = line.snap(line.duration)
+        end = line.own_selection[1] if line.own_selection else last
+        line.select((line.time, end if end > line.time else last))
 
     def mark_end(self) -> None:
         """End the selection at the playhead."""
         line = self._timeline
-        start = line.selection[0] if line.selection else 0.0
+        start = line.own_selection[0] if line.own_selection else 0.0
         line.select((start if start < line.time else 0.0, line.time))
 
 

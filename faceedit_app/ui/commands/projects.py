@@ -9,7 +9,7 @@ from pathlib import Path
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
-from faceedit_app.editing.files.fingerprint import Fingerprint, fingerprint
+from faceedit_app.editing.files.fingerprint import KnownFile, known
 from faceedit_app.editing.files.pending import Pending
 from faceedit_app.editing.files.project import (
     Located,
@@ -78,18 +78,18 @@ def open_project(
         failed: is given the error of a project that cannot be read.
     """
 
-    def read() -> tuple[Project, Fingerprint, Located]:
-        mark = fingerprint(path)
+    def read() -> tuple[Project, KnownFile, Located]:
+        file = known(path)
         project = read_project(path)
-        return project, mark, locate_take(project, path)
+        return project, file, locate_take(project, path)
 
-    def found(result: tuple[Project, Fingerprint, Located]) -> None:
-        project, mark, located = result
+    def found(result: tuple[Project, KnownFile, Located]) -> None:
+        project, file, located = result
         take = _chosen_take(workspace, located, ask)
         if take is None:
             workspace.opener.reading.emit("")
             return
-        _open_take(workspace, project, path, take, mark, located.where is Whereabouts.FOUND)
+        _open_take(workspace, project, file, take, located.where is Whereabouts.FOUND)
         workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
@@ -121,17 +121,15 @@ def _chosen_take(
 def _open_take(
     workspace: Workspace,
     project: Project,
-    path: Path,
+    file: KnownFile,
     take: Path,
-    mark: Fingerprint,
     is_as_it_was: bool,
 ) -> None:
     """Open the take of a project that has been read.
 
     Args:
-        path: the project's file.
+        file: the project's file.
         take: the file that its edits are applied to.
-        mark: the fingerprint of the project's file.
         is_as_it_was: the take is where and as the project knows it: nothing needs to be saved.
     """
 
@@ -145,11 +143,10 @@ def _open_take(
             session.mark_saved()
 
     def opened() -> None:
-        workspace.document.project_read(mark)
         restore_view(workspace, project.view)
-        _open_character(workspace, project, path)
+        _open_character(workspace, project, file.path)
 
-    workspace.opener.open(take, prepare, opened, path, project.fps)
+    workspace.opener.open(take, prepare, opened, file, project.fps)
 
 
 def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
@@ -182,7 +179,7 @@ def recover(
     """
 
     def look() -> Located:
-        home = [pending.project.parent] if pending.project is not None else []
+        home = [pending.project.path.parent] if pending.project is not None else []
         return locate(pending.take, pending.fingerprint, pending.exported_over, home)
 
     def found(located: Located) -> None:

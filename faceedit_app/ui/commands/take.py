@@ -68,7 +68,7 @@ class TakeCommands:
         def prepare(again: EditSession) -> None:
             again.begin_with(state)
 
-        project = self._workspace.document.project
+        project = self._workspace.document.project_file
         self._workspace.opener.open(take.path, prepare, project=project, fps=rate)
 
     # --- sound and film ------------------------------------------------------------------------

@@ -120,7 +120,7 @@ class WordCommands:
         if session is None:
             return
         self._workspace.end_gestures()
-        edits = closing_edits(session, self._timeline.selection)
+        edits = closing_edits(session, self._timeline.range_meant)
         if edits:
             self._workspace.add_edits(edits, "Close lips", counted(len(edits), "closure"))
         else:
@@ -134,7 +134,7 @@ class WordCommands:
         if session is None:
             return
         self._workspace.end_gestures()
-        edits = shaping_edits(session, self._timeline.selection)
+        edits = shaping_edits(session, self._timeline.range_meant)
         if edits:
             self._workspace.add_edits(edits, "Shape lips", counted(len(edits), "lip shape"))
         else:
@@ -142,7 +142,7 @@ class WordCommands:
 
     @property
     def _where(self) -> str:
-        return "in the selection" if self._timeline.selection is not None else "of the take"
+        return "in the selection" if self._timeline.range_meant is not None else "of the take"
 
     def say_clearly(self) -> None:
         """Show the slider from mumbled to clear."""
@@ -152,10 +152,9 @@ class WordCommands:
         if session is None or words is None:
             return
         self._workspace.end_gestures()
-        span = self._timeline.selection or (0.0, self._timeline.duration)
-        where = "in the whole take"
-        if self._timeline.selection is not None:
-            where = f"from {span[0]:.2f} to {span[1]:.2f} s"
+        meant = self._timeline.range_meant
+        span = meant or (0.0, self._timeline.duration)
+        where = f"from {self._workspace.shown_range(*meant)}" if meant else "in the whole take"
         left = End("mumbled", "calm", articulate(session, words, span, -1.0))
         right = End("clearer", "exaggerate", articulate(session, words, span, 1.0))
         SliderDialog(

@@ -24,6 +24,7 @@ _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
 UNIT = " mm"
 WIDEST = "88.8"  # of the values without a unit
+_NAME, _SMALLEST_NAME = 0.92, 0.72  # of the window's font
 _APART = 3.0  # pixels between name and value
 # Pixels that three lines may move closer: rows differ by a pixel but should look the same.
 _SQUEEZE = 6.0
@@ -69,7 +70,7 @@ class Layout:
     @classmethod
     def of(cls, widget: QWidget, label: str) -> Layout:
         """The layout of a widget."""
-        name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.08, bold=True)
+        name, value = style.scaled_font(widget, _NAME), style.scaled_font(widget, 1.08, bold=True)
         height = widget.height()
         room = QRectF(_TEXT_LEFT, 0, widget.width() - _TEXT_LEFT, height)
         metrics, bold = QFontMetricsF(name), QFontMetricsF(value)
@@ -89,8 +90,14 @@ class Layout:
 
     @classmethod
     def _low(cls, widget: QWidget, room: QRectF) -> Layout:
-        """Side by side; the value goes without its unit, so that every name has two lines."""
-        name, value = style.scaled_font(widget, 0.92), style.scaled_font(widget, 1.0, bold=True)
+        """Side by side; the value goes without its unit, so that every name has two lines.
+
+        In the lowest rows, which show more curves in a small window, the name is printed smaller.
+        """
+        usual = QFontMetricsF(style.scaled_font(widget, _NAME)).height()
+        fits = min(_NAME * room.height() / (2.0 * usual), _NAME)
+        name = style.scaled_font(widget, max(fits, _SMALLEST_NAME))
+        value = style.scaled_font(widget, 1.0, bold=True)
         wide = QFontMetricsF(value).horizontalAdvance(WIDEST)
         beside = QRectF(room.right() - wide, 0.0, wide, room.height())
         return cls(

@@ -111,6 +111,12 @@ class RetimeDrag:
         return retime(self.clip, self.was, self.goal, max(falloff, LEAST_PAD))
 
 
+def _within(clip: Clip, part: Range) -> Range:
+    """A range as far as it lies in the take."""
+    first, last = float(clip.times[0]), float(clip.times[-1])
+    return min(max(part[0], first), last), min(max(part[1], first), last)
+
+
 def content_of(edit: Edit | None) -> tuple[Range, Range] | None:
     """Where the content of a retime was and is, if it moves or stretches one range; else None."""
     if edit is None or edit.op is not Op.RETIME or not 1 <= len(edit.pins) <= 2:
@@ -152,7 +158,9 @@ def begin_retime(
         span: what the press would edit.
         chosen: the chosen edit, if the press is on its content.
     """
-    was, shown = content_of(chosen) or ((span.start, span.end), (span.start, span.end))
+    held = content_of(chosen) or ((span.start, span.end), (span.start, span.end))
+    # A selection may end after the last frame, and an edit beyond the take: nothing is moved there.
+    was, shown = (_within(clip, part) for part in held)
     grip = Edge.BODY
     if shown[1] > shown[0]:
         start, end = (abs(scale.x_of(at) - press[0]) for at in shown)

@@ -33,7 +33,7 @@ from faceedit_app.ui.face.camera_keys import moved_by_key
 from faceedit_app.ui.face.camera_mouse import ZOOM_STEP, CameraMouse
 from faceedit_app.ui.face.difference_legend import DifferenceLegend
 from faceedit_app.ui.face.face_picture import FacePicture, Size, paint_names
-from faceedit_app.ui.face.resolution import RoughResolution
+from faceedit_app.ui.face.resolution import Quality
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import ACCENT, PANEL
 from faceedit_app.ui.look.texts import plain_label
@@ -72,7 +72,7 @@ class Viewport(QWidget):
         self._picture = FacePicture()
         self._aim: Aim | None = Aim.FRONT  # None once the user has moved the camera
         self._stale, self._smooth = True, True
-        self._rough = RoughResolution()
+        self.quality = Quality()
         self._mouse = CameraMouse()
         self._idle = QTimer(self, singleShot=True, interval=IDLE_MS)
         self._idle.timeout.connect(self._refine)
@@ -148,11 +148,11 @@ class Viewport(QWidget):
         self.legend.setVisible(self._picture.is_tinted and self.can_draw)
 
     def redraw(self) -> None:
-        """Draw a rough picture soon, and a smooth one after a moment without changes."""
-        self._stale, self._smooth = True, False
+        """Draw a picture soon: a smooth one if it is fast, else one after a moment of rest."""
+        self._stale, self._smooth = True, self.quality.is_smooth
         self._picture.forget_begun()
         self._idle.start()
-        self.update(self._uncovered())
+        self.update(QRegion(self.rect()) if self._smooth else self._uncovered())
 
     def _uncovered(self) -> QRegion:
         """The part of the picture that no widget covers.
@@ -244,13 +244,14 @@ class Viewport(QWidget):
         self._stale = False
         self.draws += 1
         self.drawn.emit()
-        if not self._smooth:
-            self._rough.adapt(time.perf_counter() - began)
+        self.quality.drew(time.perf_counter() - began, self._smooth)
         self._spare.start()
 
     def _refine(self) -> None:
         if self._mouse.is_held:
             self._idle.start()
+            return
+        if self._smooth and not self._stale:
             return
         self._stale = self._smooth = True
         self.update()
@@ -260,11 +261,12 @@ class Viewport(QWidget):
         return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
 
     def _picture_size(self) -> Size:
-        return self._pixels() if self._smooth else self._rough.size(self._pixels())
+        return self.quality.size(self._pixels(), self._smooth)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the face framed until the user moves the camera."""
         self._note.setGeometry(self.rect().adjusted(32, 48, -32, -32))
+        self.quality.forget()
         self._frame()
         self.redraw()
 

@@ -1,6 +1,7 @@
 """The colours of the window. Colour-blind people can distinguish blue and orange.
 
-Every text has a contrast of 4.5:1 or more with what is behind it (tests/ui/test_contrast.py).
+Every text has a contrast of 4.5:1 or more with what is behind it (`tests/ui/test_contrast.py` and
+`test_every_dialog.py`).
 """
 
 from __future__ import annotations

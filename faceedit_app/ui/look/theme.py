@@ -26,6 +26,7 @@ GAP = 8  # pixels between groups of controls; half of it inside a group
 MARGIN = 10  # pixels from a bar's edge to its content
 
 _TICK = icon_file("tick").as_posix()  # black, on the accent
+_ARROW = icon_file("list_arrow").as_posix()  # of lists that are not our own, as in file dialogs
 
 _STYLE = f"""
 QMainWindow, QDialog, QMessageBox {{ background: {BACKGROUND}; }}
@@ -94,18 +95,21 @@ QToolButton#segment_left {{ border-top-right-radius: 0; border-bottom-right-radi
 QToolButton#segment_middle {{ border-radius: 0; }}
 QToolButton#segment_right {{ border-top-left-radius: 0; border-bottom-left-radius: 0; }}
 
-QDoubleSpinBox, QComboBox {{
+QAbstractSpinBox, QComboBox, QPlainTextEdit {{
     background: {BACKGROUND}; border: 1px solid {BORDER}; border-radius: 4px;
     padding: 2px 6px; min-height: 20px; selection-background-color: {ACCENT_DEEP};
 }}
-QDoubleSpinBox#small {{ padding: 0 2px; min-height: 19px; }}
-QDoubleSpinBox:focus, QComboBox:focus {{ border-color: {ACCENT}; }}
-QDoubleSpinBox::up-button, QDoubleSpinBox::down-button {{ width: 0; border: none; }}
+QAbstractSpinBox#small {{ padding: 0 2px; min-height: 19px; }}
+QAbstractSpinBox:focus, QComboBox:focus, QPlainTextEdit:focus {{ border-color: {ACCENT}; }}
+QAbstractSpinBox::up-button, QAbstractSpinBox::down-button {{ width: 0; border: none; }}
 QComboBox::drop-down {{ border: none; width: 16px; }}
+QFileDialog QComboBox::down-arrow {{ image: url("{_ARROW}"); width: 12px; height: 12px; }}
 QComboBox QAbstractItemView {{
     background: {PANEL}; border: 1px solid {BORDER}; selection-background-color: {ACCENT_DEEP};
 }}
 
+QCheckBox {{ border: 1px solid transparent; border-radius: 3px; padding: 1px; }}
+QCheckBox:focus {{ border-color: {ACCENT}; }}
 QCheckBox::indicator {{
     width: 14px; height: 14px; border: 1px solid {FAINT}; border-radius: 3px;
 }}
@@ -114,7 +118,7 @@ QCheckBox::indicator:checked {{
 }}
 QCheckBox::indicator:disabled {{ border-color: {BORDER}; background: transparent; }}
 QCheckBox::indicator:checked:disabled {{ background: {BORDER}; }}
-QCheckBox:disabled {{ color: {FAINT}; }}
+QCheckBox:disabled {{ color: {DISABLED}; }}
 
 QSlider {{ border: 1px solid transparent; border-radius: 4px; }}
 QSlider:focus {{ border-color: {ACCENT}; }}
@@ -131,12 +135,11 @@ QLabel#heading {{ font-weight: 600; }}
 QListView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
 QListView:focus {{ border-color: {ACCENT}; }}
 QLineEdit {{
-    background: {BACKGROUND}; border: 1px solid {ACCENT}; border-radius: 3px; padding: 0 4px;
+    background: {BACKGROUND}; border: 1px solid {BORDER}; border-radius: 3px; padding: 0 4px;
     selection-background-color: {ACCENT_DEEP};
 }}
-QLineEdit#find_word, QLineEdit#search {{ border-color: {BORDER}; min-height: 20px; }}
-QLineEdit#find_word:focus, QLineEdit#search:focus {{ border-color: {ACCENT}; }}
-QLineEdit#find_word[refused="true"],
+QLineEdit:focus {{ border-color: {ACCENT}; }}
+QDialog QLineEdit, QLineEdit#find_word, QLineEdit#search {{ min-height: 20px; }}
 QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
 
 QTabWidget::pane {{ border: none; }}
@@ -147,6 +150,8 @@ QTabBar::tab {{
 QTabBar::tab:selected {{ background: {PANEL}; color: {TEXT}; border-top: 2px solid {ACCENT}; }}
 QTabBar::tab:hover {{ color: {TEXT}; }}
 QTabBar::tab:selected:focus {{ border: 1px solid {ACCENT}; border-top-width: 2px; }}
+QDialog QScrollArea {{ border: 1px solid transparent; }}
+QDialog QScrollArea:focus, QTableView:focus {{ border: 1px solid {ACCENT}; }}
 QTreeView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
 QTreeView:focus {{ border-color: {ACCENT}; }}
 QTreeView::item {{ padding: 3px 0; }}

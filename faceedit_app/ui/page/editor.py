@@ -124,6 +124,7 @@ class Editor(QWidget):
         self.curves.edit_made.connect(self.edits.select_new)
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)
         self.face.handles.hand = self.curves.hand
+        self._playback.playing_changed.connect(self._set_quality)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._previewed)
         self.solving.finished.connect(self._solved)
@@ -163,9 +164,13 @@ class Editor(QWidget):
             self.lists.setTabText(tab, f"{name}  {count}" if count else name)
 
     def _propose_ticked(self, actions: Actions) -> None:
-        """Another set of problems is ticked: propose those instead."""
-        if self.proposal.is_open and self.proposal.is_for_all:
+        """Another set of problems is ticked: propose those instead, or nothing if none is."""
+        if not (self.proposal.is_open and self.proposal.is_for_all):
+            return
+        if self.problem_list.chosen:
             actions["fix_all"].trigger()
+        else:
+            self.proposal.discard()
 
     def list_edits(self) -> None:
         """Show the list of edits instead of the list of problems, to set a new edit's strength."""
@@ -238,6 +243,14 @@ class Editor(QWidget):
             or self.edits.cancel()
             or self.proposal.discard()
         )
+
+    def _set_quality(self, plays: bool) -> None:
+        """In playback, a picture has the time between two frames; in a drag, hardly any."""
+        clip, quality = self._timeline.clip, self.face.viewport.quality
+        if plays and clip is not None:
+            quality.play(clip.rate * max(abs(self._playback.pace), 1.0))
+        else:
+            quality.rest()
 
     def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""

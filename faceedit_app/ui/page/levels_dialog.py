@@ -136,7 +136,10 @@ class LevelsDialog(PreviewDialog):
         self.table.setModel(self.found)
         self.table.setItemDelegate(LevelDelegate(self.table, 1, is_live=True))
         self.table.setAccessibleName("Channels")
-        self.table.setEditTriggers(QAbstractItemView.EditTrigger.AllEditTriggers)
+        trigger = QAbstractItemView.EditTrigger
+        self.table.setEditTriggers(trigger.EditKeyPressed | trigger.AnyKeyPressed)
+        self.table.clicked.connect(self._type)
+        self.table.setTabKeyNavigation(False)  # Tab leaves the table, unless a number is typed
         self.table.verticalHeader().hide()
         head = self.table.horizontalHeader()
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
@@ -167,6 +170,11 @@ class LevelsDialog(PreviewDialog):
             self._document.cancel()
         else:
             self._document.preview(edit)
+
+    def _type(self, index: QModelIndex) -> None:
+        """A click on a number types another."""
+        if index.column():
+            self.table.edit(index)
 
     def _reset(self) -> None:
         """Leave all channels as they are."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QModelIndex, QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QModelIndex, QPoint, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
@@ -14,7 +15,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.editing.help.problems import Problem
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import Choice, caption, icon_button
+from faceedit_app.ui.look.widgets import Choice, caption, context_menu, icon_button
 from faceedit_app.ui.page.problems_bar import NAMES, ProblemsBar
 from faceedit_app.ui.page.problems_model import AMOUNT, KIND, TIME, ProblemsModel
 from faceedit_app.ui.state.actions import Actions
@@ -24,8 +25,30 @@ from faceedit_app.ui.state.timeline import Timeline
 _EVERYTHING = "All kinds"
 
 
+_MENU = (("fix_problem",), ("tick_problem", "tick_all", "untick_all"), ("fix_all",))
+
+
+class _Rows(QTreeView):
+    """Rows that keys go through.
+
+    Signals:
+        stepped(QModelIndex): a key went to another row.
+    """
+
+    stepped = Signal(QModelIndex)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Say where a key went."""
+        before = self.currentIndex()
+        super().keyPressEvent(event)
+        if self.currentIndex() != before:
+            self.stepped.emit(self.currentIndex())
+
+
 class ProblemsList(QWidget):
-    """A row for each problem; a click goes to it, its tick says whether to fix it with the others.
+    """A row for each problem; a click or an arrow key goes to it.
+
+    Its tick says whether to fix it with the others.
 
     Ticks are kept when the take is searched again.
 
@@ -37,11 +60,11 @@ class ProblemsList(QWidget):
 
     def __init__(self, actions: Actions, bar: ProblemsBar, timeline: Timeline) -> None:
         super().__init__()
-        self._bar, self._timeline = bar, timeline
+        self._actions, self._bar, self._timeline = actions, bar, timeline
         self.kinds = Choice()
         self.kinds.setToolTip("Show problems of one kind only")
         self.model = ProblemsModel(self._shown_time, self)
-        self.rows = QTreeView()
+        self.rows = _Rows()
         self._empty = QLabel()
         self._build(actions)
         self.kinds.currentIndexChanged.connect(self._fill)
@@ -49,6 +72,8 @@ class ProblemsList(QWidget):
         self.model.modelReset.connect(self._select_current)
         self.rows.clicked.connect(self._go)
         self.rows.activated.connect(self._go)
+        self.rows.stepped.connect(self._go)
+        self.rows.customContextMenuRequested.connect(self._show_menu)
         bar.found.connect(self.sync)
         timeline.clock.changed.connect(self._fill)
         self._shown: tuple[Problem, ...] | None = None
@@ -62,6 +87,7 @@ class ProblemsList(QWidget):
         rows.setAccessibleName("Problems")
         rows.setModel(self.model)
         rows.setRootIsDecorated(False)
+        rows.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         rows.setUniformRowHeights(True)
         rows.setSortingEnabled(True)
         rows.sortByColumn(TIME, Qt.SortOrder.AscendingOrder)
@@ -143,7 +169,15 @@ class ProblemsList(QWidget):
         self._empty.setText(searched)
 
     def _go(self, row: QModelIndex) -> None:
-        self._bar.picked.emit(self.model.number(row))
+        if row.isValid():
+            self._bar.picked.emit(self.model.number(row))
+
+    def _show_menu(self, place: QPoint) -> None:
+        """The menu of the row under the pointer, to which a right click has gone."""
+        self._go(self.rows.indexAt(place))
+        self._actions.refresh()
+        groups = [[self._actions[name] for name in group] for group in _MENU]
+        context_menu(self, *groups).popup(self.rows.viewport().mapToGlobal(place))
 
 
 def _label(kind: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from PySide6.QtCore import (
@@ -55,7 +55,29 @@ class ProblemsModel(QAbstractTableModel):
     def chosen(self) -> tuple[Problem, ...]:
         """The ticked problems in the list that can be fixed, in order of time."""
         shown = (self._problems[number] for number in sorted(self._order))
-        return tuple(problem for problem in shown if self._is_ticked(problem))
+        return tuple(problem for problem in shown if self.is_ticked(problem))
+
+    @property
+    def can_tick(self) -> bool:
+        """Whether a problem in the list can be fixed."""
+        return any(self._problems[number].fix for number in self._order)
+
+    def is_ticked(self, problem: Problem) -> bool:
+        """Whether a problem can be fixed and is ticked."""
+        return bool(problem.fix) and _key(problem) not in self._unticked
+
+    def tick(self, problems: Iterable[Problem], on: bool) -> None:
+        """Set or remove the ticks of problems."""
+        keys = {_key(problem) for problem in problems if problem.fix}
+        self._unticked = self._unticked - keys if on else self._unticked | keys
+        if self._order:
+            ends = (self.index(row, KIND) for row in (0, len(self._order) - 1))
+            self.dataChanged.emit(*ends)
+        self.ticked.emit()
+
+    def tick_all(self, on: bool) -> None:
+        """Set or remove the ticks of all problems in the list."""
+        self.tick((self._problems[number] for number in self._order), on)
 
     def show(self, problems: tuple[Problem, ...], kind: str | None) -> None:
         """Show problems of one kind, or all if None."""
@@ -118,7 +140,7 @@ class ProblemsModel(QAbstractTableModel):
             case Qt.ItemDataRole.DisplayRole:
                 return _name(problem) if column == KIND else problem.amount
             case Qt.ItemDataRole.CheckStateRole if column == KIND and problem.fix:
-                on = self._is_ticked(problem)
+                on = self.is_ticked(problem)
                 return Qt.CheckState.Checked if on else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole:
                 return problem.message
@@ -133,17 +155,9 @@ class ProblemsModel(QAbstractTableModel):
         """Set or remove a tick."""
         if role != Qt.ItemDataRole.CheckStateRole:
             return False
-        key = _key(self._problems[self.number(index)])
-        if Qt.CheckState(value) is Qt.CheckState.Checked:
-            self._unticked.discard(key)
-        else:
-            self._unticked.add(key)
-        self.dataChanged.emit(index, index)
-        self.ticked.emit()
+        problem = self._problems[self.number(index)]
+        self.tick((problem,), Qt.CheckState(value) is Qt.CheckState.Checked)
         return True
-
-    def _is_ticked(self, problem: Problem) -> bool:
-        return bool(problem.fix) and _key(problem) not in self._unticked
 
 
 def _name(problem: Problem) -> str:

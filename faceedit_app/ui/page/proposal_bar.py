@@ -72,6 +72,7 @@ class ProposalBar(QFrame):
         name: str,
         problem: Problem | None = None,
         *,
+        short: str = "",
         variations: Sequence[Sequence[Edit]] = (),
     ) -> None:
         """Preview edits.
@@ -82,6 +83,7 @@ class ProposalBar(QFrame):
             name: of the step if they are accepted.
             problem: the one that they fix; None = all that are ticked, or none if there are
                 variations.
+            short: shown in place of a text that does not fit; the tooltip has all of it.
             variations: other edits for the same, which the user can step through; the first
                 replaces `edits`.
         """
@@ -89,6 +91,7 @@ class ProposalBar(QFrame):
         self._name, self.problem = name, problem
         self.is_for_all = problem is None and not variations
         self._variations = tuple(map(tuple, variations)) or (tuple(edits),)
+        self.text.short = short
         self.text.setText(text)
         self.text.setToolTip(plain_tip(text))
         for step in self._steps:

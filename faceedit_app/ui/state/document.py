@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # the window is there before the solver and the networks are 
     from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.edits.media import Placement
-    from faceedit_app.editing.files.fingerprint import Fingerprint
+    from faceedit_app.editing.files.fingerprint import KnownFile
     from faceedit_app.editing.files.journal import Journal
     from faceedit_app.editing.files.project import CharacterFile, ViewState
     from faceedit_app.editing.session import EditSession
@@ -32,7 +32,7 @@ class Document(QObject):
 
     Attributes:
         path: the take's file.
-        project: the project's file, if there is one.
+        project_file: the project's file as it was read or saved last, if there is one.
         exported: the file that the take was last exported to.
 
     Signals:
@@ -57,19 +57,23 @@ class Document(QObject):
         self.engine: Engine | None = None
         self.character: FittedCharacter | None = None  # the user's own, if it is shown
         self.path: Path | None = None
-        self.project: Path | None = None
+        self.project_file: KnownFile | None = None
         self.exported: Path | None = None
         self.keeps_journal = False
         self.awaits_engine = False  # it is being loaded
-        self._project_mark: Fingerprint | None = None  # as it was read or saved last
         self._journal: Journal | None = None
+
+    @property
+    def project(self) -> Path | None:
+        """The project's file, if there is one."""
+        return self.project_file.path if self.project_file is not None else None
 
     @property
     def is_clean(self) -> bool:
         """Whether nothing would be lost by closing."""
         return self.session is None or self.session.is_saved
 
-    def adopt(self, session: EditSession, project: Path | None = None) -> None:
+    def adopt(self, session: EditSession, project: KnownFile | None = None) -> None:
         """Open a take that has been read, with its project, if any."""
         if self.engine is not None and not session.has_engine:
             session.use_engine(self.engine)
@@ -79,8 +83,7 @@ class Document(QObject):
         if self.session is not None:
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
-        self.session, self.path, self.project = session, session.take.path, project
-        self._project_mark = None
+        self.session, self.path, self.project_file = session, session.take.path, project
         self.exported = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
@@ -100,7 +103,7 @@ class Document(QObject):
 
         self._journal = Journal(
             session.take.path,
-            self.project,
+            self.project_file,
             fps=session.take.fps,
             opened=session.fingerprint,
             exported_over=session.exported_over,
@@ -126,7 +129,7 @@ class Document(QObject):
 
     def _is_saved(self) -> None:
         if self._journal is not None:
-            self._journal.saved(self.project)
+            self._journal.saved(self.project_file)
         self.saved.emit()
 
     # --- changes to the open take ----------------------------------------------------------------
@@ -185,24 +188,15 @@ class Document(QObject):
 
         True only for the open take and its project; a file that is gone has not changed.
         """
-        from faceedit_app.editing.files.fingerprint import fingerprint, is_same_file
+        from faceedit_app.editing.files.fingerprint import KnownFile, is_same_file
 
         session = self.session
-        known: set[Fingerprint | None] = set()
         if session is not None and is_same_file(path, session.take.path):
-            known = {session.fingerprint, session.exported_over}
-        elif self.project is not None and is_same_file(path, self.project):
-            known = {self._project_mark}
-        if not known - {None} or not path.is_file():
-            return False
-        try:
-            return fingerprint(path) not in known
-        except FaceEditError:
-            return False  # writing will say why
-
-    def project_read(self, mark: Fingerprint) -> None:
-        """Note the fingerprint of the open project as it was read."""
-        self._project_mark = mark
+            marks = {session.fingerprint, session.exported_over} - {None}
+            return bool(marks) and all(KnownFile(path, mark).was_changed for mark in marks)
+        if self.project_file is not None and is_same_file(path, self.project_file.path):
+            return self.project_file.was_changed
+        return False
 
     def export(self, path: Path, overwrite: bool = False) -> Path | None:
         """Write the edited take; see `EditSession.export`.
@@ -235,7 +229,7 @@ class Document(QObject):
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
         """
-        from faceedit_app.editing.files.fingerprint import fingerprint
+        from faceedit_app.editing.files.fingerprint import known
         from faceedit_app.editing.files.project import Project, write_project
 
         session = self.session
@@ -247,9 +241,8 @@ class Document(QObject):
         parts = (view, media.sound, media.film, session.take.fps, self._character_file())
         project = Project(take, mark, session.state, *parts, session.exported_over)
         write_project(path, project)
-        self._project_mark = fingerprint(path)
+        self.project_file = known(path)
         session.mark_saved()
-        self.project = path
         self._is_saved()
 
     def _character_file(self) -> CharacterFile | None:

@@ -17,6 +17,7 @@ from faceedit_app.ui.state.document import Document
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.files.fingerprint import KnownFile
     from faceedit_app.editing.session import EditSession
 
 
@@ -58,7 +59,7 @@ class TakeOpener(QObject):
         path: Path,
         prepare: Callable[[EditSession], None] = lambda session: None,
         then: Callable[[], None] = lambda: None,
-        project: Path | None = None,
+        project: KnownFile | None = None,
         fps: float | None = None,
     ) -> None:
         """Read a take and open it; on an error the current one stays open.
@@ -66,7 +67,7 @@ class TakeOpener(QObject):
         Args:
             prepare: adds edits to its session before it is shown.
             then: called once it is shown.
-            project: the project that it belongs to.
+            project: the project that it belongs to, as it was read.
             fps: its frame rate, if its file does not tell it or is not believed.
         """
         self._wanted = path

@@ -10,6 +10,7 @@ from faceedit_app.ui.state.clock import Clock
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
 FALLOFF_RANGE = (0.0, 5.0)
+WHOLE = 0.98  # of the take: an edit with such a range is one of the whole take
 
 
 class Timeline(QObject):
@@ -132,6 +133,20 @@ class Timeline(QObject):
     def own_selection(self) -> tuple[float, float] | None:
         """The selection, if the user made it rather than an edit's hold."""
         return self.selection if self._is_own or not self.shows_edit else None
+
+    @property
+    def range_meant(self) -> tuple[float, float] | None:
+        """The range for a command that acts in the selection or the whole take; None = all of it.
+
+        That is the selection. The hold of the chosen edit counts only while the playhead is in it,
+        and if it is neither the whole take nor a single moment, in which nothing could be seen.
+        """
+        if self.selection is None or self.own_selection is not None:
+            return self.selection
+        start, end = self.selection
+        is_part = end - start <= WHOLE * self.duration
+        is_range = self.snap(start) < self.snap(end)
+        return self.selection if is_part and is_range and start <= self.time <= end else None
 
     @property
     def own_falloffs(self) -> tuple[float, float]:
