@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from support.character_files import FLOAT, Glb, small_glb, write_glb, write_objs
 from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
 from support.heads import JAW, small_head
@@ -149,3 +150,18 @@ def test_a_damaged_shape_is_left_out_and_said(tmp_path: Path, content: bytes) ->
 
 def test_a_version_at_the_end_of_a_name_does_not_hide_it(tmp_path: Path) -> None:
     assert_whole(open_character(write_glb(tmp_path / "head.glb", lambda n: f"ARKit.{n}.v2")))
+
+
+@pytest.mark.parametrize("nods", [-40.0, -30.0, 0.0, 30.0, 45.0])
+@pytest.mark.parametrize("turned", ["xy", "xyz"])
+def test_a_head_that_nods_in_its_file_is_shown_upright(
+    tmp_path: Path, nods: float, turned: str
+) -> None:
+    turn = Rotation.from_euler(turned, [nods, 25.0, -15.0][: len(turned)], degrees=True)
+    out = small_glb()
+    out.json["nodes"][0]["rotation"] = turn.as_quat().tolist()
+    fitted = saved(out, tmp_path)
+    assert fitted.checklist.doubts == ()
+    up = turn.apply([0.0, 1.0, 0.0])
+    assert np.degrees(np.arccos(fitted.frame.axes[1] @ up)) < 12
+    assert fitted.frame.axes[2] @ turn.apply([0.0, 0.0, 1.0]) > 0
