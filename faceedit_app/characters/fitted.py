@@ -16,6 +16,7 @@ from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, Share, match_channels
+from faceedit_app.characters.percent import REMARK, in_percent
 from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.points import PAIRS, POINTS, find_points
 from faceedit_app.characters.registry import read_character
@@ -129,6 +130,11 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     _need_match(character, match)
     assembler = Assembler(character, match.shares, match.alike)
     frame = find_frame(character, match.shares, assembler.target)
+    remarks = list(character.remarks)
+    full = in_percent(character, match, assembler.target, frame.scale)
+    if full is not None:
+        match, assembler = full, Assembler(character, full.shares, full.alike)
+        remarks.append(REMARK)
     assembly = assembler.assemble(frame)
     welded = weld(assembly)
     face = Face.of(assembly, welded)
@@ -138,7 +144,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     found |= _placed(character, known, assembly, welded, strict=False)
     found |= _placed(character, mapping.points, assembly, welded)
     found = {name: found[name] for name in POINTS if name in found}
-    remarks = [*character.remarks, *assembler.remarks]
+    remarks += assembler.remarks
     if frame.swapped:
         remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)

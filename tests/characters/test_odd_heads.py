@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support.character_files import FLOAT, Glb, small_glb, write_glb, write_objs
+from support.character_files import FLOAT, SHORT, UNSIGNED, Glb, small_glb, write_glb, write_objs
 from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
-from support.heads import JAW, small_head
+from support.heads import JAW, MOUTH, small_head
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.characters.map_file import map_path, write_map
 from faceedit_app.characters.registry import read_character
+from faceedit_app.characters.scene import shape_weights
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
 
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
 
@@ -165,3 +168,53 @@ def test_a_head_that_nods_in_its_file_is_shown_upright(
     up = turn.apply([0.0, 1.0, 0.0])
     assert np.degrees(np.arccos(fitted.frame.axes[1] @ up)) < 12
     assert fitted.frame.axes[2] @ turn.apply([0.0, 0.0, 1.0]) > 0
+
+
+def test_shapes_for_weights_up_to_a_hundred_are_shown_and_exported_so(tmp_path: Path) -> None:
+    out = small_glb()
+    primitive = out.json["meshes"][0]["primitives"][0]
+    moves = small_head().targets.values()
+    primitive["targets"] = [{"POSITION": out.accessor(m / 1e5, FLOAT)} for m in moves]
+    fitted = saved(out, tmp_path)
+    assert_moves(fitted)
+    assert "weight of 100" in fitted.checklist.remarks[0]
+    clip = Clip(np.array([[0.0], [0.5]], np.float32), ("jawOpen",), np.arange(2) / 25, 25.0)
+    assert shape_weights(clip, fitted.shares, fitted.rig.levels)["jawOpen"].max() == 50
+    write_map(map_path(tmp_path / "head.glb"), fitted.whole_map)
+    assert_moves(open_character(tmp_path / "head.glb"))
+
+
+def assert_moves(fitted: FittedCharacter) -> None:
+    assert fitted.checklist.dead == fitted.checklist.doubts == ()
+    jaw = fitted.rig.deltas[fitted.rig.channels.index("jawOpen")][:, 1]
+    assert 1000 * jaw.min() == pytest.approx(-JAW, abs=0.1)
+
+
+@pytest.mark.parametrize("bits", [12, 14])
+def test_parts_that_are_rounded_to_grids_of_their_own_are_still_one_skin(
+    tmp_path: Path, bits: int
+) -> None:
+    """The lips are a part of their own, as those of many heads are."""
+    head, out = small_head(), Glb()
+    middles = head.vertices[head.faces].mean(axis=1)
+    is_mouth = np.hypot(middles[:, 0], middles[:, 1] - MOUTH) < 30
+    for name, faces in (("Face", head.faces[~is_mouth]), ("Lips", head.faces[is_mouth])):
+        rows = np.unique(faces)
+        places = head.vertices[rows] / 1000
+        middle = (places.min(axis=0) + places.max(axis=0)) / 2
+        step = max(np.abs(places - middle).max(), JAW / 1000) / 2 ** (bits - 1)
+
+        def rounded(array: np.ndarray, step: float = step) -> int:
+            return out.accessor(np.round(array / step), SHORT)
+
+        targets = [{"POSITION": rounded(m[rows] / 1000)} for m in head.targets.values()]
+        corners = out.accessor(np.searchsorted(rows, faces).ravel(), UNSIGNED)
+        position = {"POSITION": rounded(places - middle)}
+        primitive = {"attributes": position, "targets": targets, "indices": corners}
+        node = {"translation": middle.tolist(), "scale": [step] * 3}
+        out.mesh([primitive], list(head.targets), name=name, **node)
+    fitted, whole = saved(out, tmp_path), saved(small_glb(), tmp_path)
+    assert fitted.checklist.doubts == ()
+    for point in ("inner_upper_lip", "inner_lower_lip", "left_mouth_corner", "right_mouth_corner"):
+        place = whole.rig.neutral[whole.points[point]]
+        assert np.allclose(fitted.rig.neutral[fitted.points[point]], place, atol=5e-4), point
