@@ -183,6 +183,14 @@ def _need_match(character: Character, match: Match) -> None:
     if len(match.matched) >= _FEWEST:
         return
     names = character.targets
+    if match.matched:
+        known = ", ".join(list(match.matched))
+        raise FileError(
+            character.path,
+            f"has only {len(match.matched)} shapes with names that FaceEdit knows "
+            f"({known}), and {_FEWEST} are needed",
+            f"rename the others as in ARKit, or map them in {map_path(character.path).name}",
+        )
     shown = ", ".join(name[:30] for name in names[:3]) + (" …" if len(names) > 3 else "")
     raise FileError(
         character.path,

@@ -18,6 +18,7 @@ from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scene import shape_weights
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
 
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
 
@@ -218,3 +219,47 @@ def test_parts_that_are_rounded_to_grids_of_their_own_are_still_one_skin(
     for point in ("inner_upper_lip", "inner_lower_lip", "left_mouth_corner", "right_mouth_corner"):
         place = whole.rig.neutral[whole.points[point]]
         assert np.allclose(fitted.rig.neutral[fitted.points[point]], place, atol=5e-4), point
+
+
+FEW = ("jawOpen", "eyeBlinkLeft", "eyeBlinkRight")
+
+
+def test_jaw_and_blinks_are_enough_to_find_the_mouth(tmp_path: Path) -> None:
+    """No shape moves the lips alone: they are where the skin goes down with the jaw."""
+    few = open_character(write_glb(tmp_path / "few.glb", lambda n: n if n in FEW else None))
+    whole = open_character(write_glb(tmp_path / "head.glb"))
+    assert few.checklist.doubts == few.checklist.dead == ()
+    for point in ("inner_upper_lip", "inner_lower_lip", "left_mouth_corner", "right_mouth_corner"):
+        place = whole.rig.neutral[whole.points[point]]
+        assert np.linalg.norm(few.rig.neutral[few.points[point]] - place) < 0.0035, point
+
+
+@pytest.mark.parametrize("degrees", [-25.0, 25.0])
+def test_a_crooked_mouth_has_its_lips_and_corners(tmp_path: Path, degrees: float) -> None:
+    head, out = small_head(), small_glb()
+    middle = np.array([6.0, MOUTH, 0.0])
+    near = np.exp(-np.square((head.vertices - [0.0, MOUTH, 0.0]) / [45, 30, 1e9]).sum(axis=1))
+    turn = Rotation.from_euler("z", degrees, degrees=True)
+    turned = turn.apply(head.vertices - [0.0, MOUTH, 0.0]) + middle
+    places = head.vertices + near[:, None] * (turned - head.vertices)
+    attributes = out.json["meshes"][0]["primitives"][0]["attributes"]
+    attributes["POSITION"] = out.accessor(places / 1000, FLOAT)
+    fitted = saved(out, tmp_path)
+    assert fitted.checklist.doubts == ()
+    corners = [fitted.points[f"{side}_mouth_corner"] for side in ("left", "right")]
+    across = np.subtract(*fitted.rig.neutral[corners])
+    assert 0.035 < np.linalg.norm(across) < 0.06
+    assert np.sign(across[1]) == np.sign(degrees)
+    lips = [fitted.points[f"inner_{lip}_lip"] for lip in ("upper", "lower")]
+    assert np.linalg.norm(np.subtract(*fitted.rig.neutral[lips])) < 0.002
+
+
+def test_shapes_that_are_too_few_are_named(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "head.glb", lambda n: n if n in FEW[:2] else f"x {n[::-1]}")
+    with pytest.raises(FileError, match=r"only 2 .*\(eyeBlinkLeft, jawOpen\), and 3 are needed"):
+        open_character(path)
+
+
+def test_what_needs_the_jaw_is_not_doubted_without_it(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "head.glb", lambda n: None if n == "jawOpen" else n)
+    assert "jaw" not in " ".join(open_character(path).checklist.doubts)
