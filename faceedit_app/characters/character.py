@@ -140,6 +140,11 @@ class Character:
         return tuple(dict.fromkeys(name for part in self.parts for name in part.targets))
 
     @property
+    def meshes(self) -> dict[str, str]:
+        """By morph target, the name of the first part that has it."""
+        return {name: part.name for part in reversed(self.parts) for name in part.targets}
+
+    @property
     def vertex_count(self) -> int:
         """The number of vertices of all parts."""
         return sum(len(part.neutral) for part in self.parts)

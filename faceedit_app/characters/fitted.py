@@ -126,7 +126,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     """
     mapping = mapping or CharacterMap()
     _need_shapes(character)
-    match = mapping.applied(match_channels(character.targets))
+    match = mapping.applied(match_channels(character.targets, character.meshes))
     _need_match(character, match)
     assembler = Assembler(character, match.shares, match.alike)
     frame = find_frame(character, match.shares, assembler.target)

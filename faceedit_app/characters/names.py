@@ -248,11 +248,12 @@ _BOTH_SIDES = {s.lower(): s for s in _TWO_SIDED} | {
 _WITHOUT_CHANNEL = frozenset(("neutral", "basis", "default", "visemesil", "vrcvsil"))
 
 
-def match_channels(names: Iterable[str]) -> Match:
+def match_channels(names: Iterable[str], meshes: Mapping[str, str] | None = None) -> Match:
     """Match names to the ARKit channels.
 
     Args:
         names: the names of shapes; repeats count once.
+        meshes: the name of the mesh that has each shape, which some names begin or end with.
 
     Returns:
         The match; every name is in exactly one of `matched`, `alike` and `unknown`.
@@ -263,6 +264,10 @@ def match_channels(names: Iterable[str]) -> Match:
     words = {name: _without(each[::-1], tail)[::-1] for name, each in words.items()}
     common = _common_words(list(words.values()))
     keys = {name: _keys(_without(each, common)) for name, each in words.items()}
+    for name, mesh in (meshes or {}).items():
+        bare = _without_mesh(words_of(name), words_of(mesh))
+        if bare and canonical_channel(name) is None and _exact(keys[name]) is None:
+            keys[name] = _keys(bare)
     shares: dict[str, list[Share]] = {}
     alike: dict[str, list[str]] = {}
     first: dict[tuple[str, str], str] = {}  # the name used for a channel and key
@@ -287,7 +292,13 @@ def match_channels(names: Iterable[str]) -> Match:
         if len(shares[channel]) > 1:  # its parts would double it
             rest += [share.name for share in shares[channel] if share.name != whole]
             shares[channel] = [Share(whole)]
-    rest, lost = _rough(_two_sided(rest, keys, shares), keys, shares)
+    once: dict[Sequence[str], list[str]] = {}  # shapes of several meshes, by their keys
+    for name in rest:
+        once.setdefault(keys[name], []).append(name)
+    singles = [same[0] for same in once.values()]
+    left, lost = _rough(_two_sided(singles, keys, shares), keys, shares)
+    rest = [name for same in once.values() if same[0] in left for name in same]
+    alike |= {same[0]: same[1:] for same in once.values() if same[0] not in left and same[1:]}
     order = {name: i for i, name in enumerate(given)}
     return Match(
         {channel: tuple(shares[channel]) for channel in ARKIT_CHANNELS if channel in shares},
@@ -364,6 +375,16 @@ def _common_words(all_words: Sequence[Sequence[str]]) -> tuple[str, ...]:
         common.append(word)
         rest = [words[1:] for words in rest if words[0] == word and len(words) > 2]
     return tuple(common)
+
+
+def _without_mesh(words: Sequence[str], mesh: Sequence[str]) -> Sequence[str]:
+    """Words without those of the mesh at either end; () if it has none of them there."""
+    count = len(mesh)
+    if not 0 < count < len(words):
+        return ()
+    if list(words[:count]) == list(mesh):
+        return words[count:]
+    return words[:-count] if list(words[-count:]) == list(mesh) else ()
 
 
 def _without(words: Sequence[str], common: Sequence[str]) -> Sequence[str]:

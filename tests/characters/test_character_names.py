@@ -294,3 +294,18 @@ def test_mikumikudance_laughs_with_its_eyes() -> None:
     assert match.matched["mouthSmileLeft"] == ("口角上げ",)
     assert match.matched["mouthFrownRight"] == ("口角下げ",)
     assert match_channels(["ｳｨﾝｸ２右"]).matched == {"eyeBlinkRight": ("ｳｨﾝｸ２右",)}
+
+
+@pytest.mark.parametrize("form", ["{mesh}_{name}", "{name}_{mesh}", "{mesh}.{name}"])
+def test_shapes_of_several_meshes_may_have_their_names(form: str) -> None:
+    """Also those that stand for two channels: lashes blink with the lids."""
+    meshes = {
+        form.format(mesh=mesh, name=name): mesh
+        for mesh in ("Face", "Upper_Lashes")
+        for name in ("jawOpen", "mouthSmileLeft", "Blink", "x")
+    }
+    match = match_channels(meshes, meshes)
+    assert set(match.matched) == {"jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "eyeBlinkRight"}
+    for shape in {name for names in match.matched.values() for name in names}:
+        (other,) = match.alike[shape]
+        assert {meshes[shape], meshes[other]} == {"Face", "Upper_Lashes"}
