@@ -54,10 +54,12 @@ class EyeJoint:
     Attributes:
         place: (3,) in the file's unit and axes.
         share: (V,) in 0..1, how far each vertex of the part follows it.
+        node: its number in a glTF file.
     """
 
     place: Floats
     share: Floats = field(repr=False)
+    node: int | None = None
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from faceedit_app.characters.character import (
     Surface,
     unique_names,
 )
-from faceedit_app.characters.eye_joints import eye_joints
+from faceedit_app.characters.eye_joints import eye_joint, is_eye
 from faceedit_app.characters.gltf_buffers import Document, Json
 from faceedit_app.characters.gltf_surfaces import colors_of, placed_uv, surface_of
 from faceedit_app.characters.points import PAIRS
@@ -219,12 +219,17 @@ class Scene:
         if index is None or "JOINTS_0" not in arrays or "WEIGHTS_0" not in arrays:
             return ()
         joints = self.document.entry("skins", index)["joints"]
-        return eye_joints(
-            [str(self.nodes[joint].get("name") or "") for joint in joints],
-            [self.places[joint][:3, 3] for joint in joints],
-            arrays["JOINTS_0"].astype(np.intp),
-            arrays["WEIGHTS_0"].astype(np.float64),
-        )
+        which, weights = arrays["JOINTS_0"], arrays["WEIGHTS_0"].astype(np.float64)
+        found = [
+            eye_joint(
+                self.places[joint][:3, 3],
+                np.where(which == number, weights, 0.0).sum(axis=1),
+                joint,
+            )
+            for number, joint in enumerate(joints)
+            if is_eye(str(self.nodes[joint].get("name") or ""))
+        ]
+        return tuple(joint for joint in found if joint is not None)
 
     def _targets(
         self, placed: Placed, linear: Doubles, count: int, kept: Indices

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from support.character_files import FLOAT, UNSIGNED, UNSIGNED_BYTE, Glb, small_glb
+from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
 from support.heads import EYE
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
@@ -39,12 +40,17 @@ def add_eyeballs(out: Glb) -> None:
         out.mesh([primitive], [], name=name)
 
 
+def flat_eye() -> tuple[Doubles, np.ndarray]:
+    """(16, 3) metres, and (18, 3): a small square that faces Z."""
+    across = np.linspace(-0.006, 0.006, 4)
+    square = np.array([[x, y, 0.0] for x in across for y in across])
+    quads = [(i, i + 4, i + 5, i + 1) for i in range(11) if i % 4 < 3]
+    return square, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+
+
 def add_eye_joints(out: Glb) -> None:
     """Flat eyes on a skin, as anime heads have them; each joint lies 3 cm behind its eye."""
-    across = np.linspace(-0.006, 0.006, 4)
-    disc = np.array([[x, y, 0.0] for x in across for y in across])
-    quads = [(i, i + 4, i + 5, i + 1) for i in range(11) if i % 4 < 3]
-    faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    disc, faces = flat_eye()
     places = np.concatenate([disc + np.array([x / 1000, 0, -0.004]) for x in (EYE, -EYE)])
     joints = [
         out.node(name=name, translation=[x / 1000, 0.0, -0.034])
@@ -63,6 +69,39 @@ def add_eye_joints(out: Glb) -> None:
     }
     indices = out.accessor(np.concatenate((faces, faces + 16)).ravel(), UNSIGNED)
     out.mesh([{"attributes": attributes, "indices": indices}], [], name="Face_eyes", skin=0)
+
+
+def fbx_with_eye_joints() -> bytes:
+    """The small head with flat eyes on a skin, whose joints lie 3 cm behind them."""
+    objects, links = fbx_of_head(lambda n: None if n.startswith("eyeLook") else n)
+    square, faces = flat_eye()
+    places = np.concatenate([square * 100 + [x / 10, 0, -0.4] for x in (EYE, -EYE)])
+    corners = np.concatenate((faces, faces + 16)).astype(np.int32)
+    corners[:, 2] = ~corners[:, 2]
+    inside = [fbx_record("Vertices", places), fbx_record("PolygonVertexIndex", corners)]
+    objects[2].extend(
+        [
+            fbx_record("Geometry", 9000, "eyes\0\1Geometry", "Mesh", inside=inside),
+            fbx_record("Model", 9001, "eyes\0\1Model", "Mesh"),
+            fbx_record("Deformer", 9002, "skin\0\1Deformer", "Skin"),
+        ]
+    )
+    pairs = [(9000, 9001), (9001, 2), (9002, 9000)]
+    for number, (name, x) in enumerate((("CC_Base_L_Eye", EYE), ("CC_Base_R_Eye", -EYE))):
+        bone, cluster = 9100 + number, 9200 + number
+        place = fbx_record("P", "Lcl Translation", "", "", "A", x / 10, 0.0, -3.4)
+        follow = np.arange(16 * number, 16 * number + 16, dtype=np.int32)
+        carried = [fbx_record("Indexes", follow), fbx_record("Weights", np.ones(16))]
+        table = [fbx_record("Properties70", inside=[place])]
+        objects[2].extend(
+            [
+                fbx_record("Model", bone, f"{name}\0\1Model", "LimbNode", inside=table),
+                fbx_record("Deformer", cluster, "\0\1SubDeformer", "Cluster", inside=carried),
+            ]
+        )
+        pairs += [(bone, 2), (cluster, 9002), (bone, cluster)]
+    links[2].extend(fbx_record("C", "OO", a, b) for a, b in pairs)
+    return fbx_bytes([objects, links])
 
 
 def opened(out: Glb, folder: Path) -> FittedCharacter:
@@ -105,6 +144,15 @@ def test_eyes_look_where_their_channels_say(tmp_path: Path, kind: object) -> Non
             assert direction * moved[front, axis].mean() > 0.003
             assert np.abs(moved[of_eyes & (sign * rig.neutral[:, 0] < 0)]).max() == 0
             assert np.abs(moved[~of_eyes]).max() == 0
+
+
+def test_joints_of_an_fbx_turn_its_eyes(tmp_path: Path) -> None:
+    (tmp_path / "head.fbx").write_bytes(fbx_with_eye_joints())
+    fitted = open_character(tmp_path / "head.fbx")
+    assert "the eyes have no shapes; they are turned instead" in fitted.checklist.remarks
+    moved = moves(fitted, "eyeLookUpLeft", "eyes")
+    assert np.abs(moved[16:]).max() == 0
+    assert moved[:16, 1].min() > 10.0  # they lie 30 mm before their joint
 
 
 def test_an_iris_turns_with_its_eyeball(tmp_path: Path) -> None:
