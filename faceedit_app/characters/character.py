@@ -75,6 +75,7 @@ class Part:
         colors: (V, 4) float32, linear RGBA.
         surface: how it is drawn.
         eyes: the joints of eyes that it follows.
+        node: the number of its node in a glTF file, if that places it: a skin does not.
     """
 
     name: str
@@ -85,6 +86,7 @@ class Part:
     colors: Floats | None = None
     surface: Surface = field(default_factory=Surface)
     eyes: tuple[EyeJoint, ...] = ()
+    node: int | None = None
 
     def only(self, kept: Indices) -> Part:
         """The part with only some vertices, in order; its faces must use no others."""

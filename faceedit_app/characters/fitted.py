@@ -14,6 +14,7 @@ from faceedit_app.characters.character import Character, Part, Place, Surface
 from faceedit_app.characters.checklist import DEAD, Checklist, make_checklist
 from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
+from faceedit_app.characters.gaze import Eye
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, Share, match_channels
 from faceedit_app.characters.percent import REMARK, in_percent
@@ -62,6 +63,7 @@ class FittedCharacter:
         checklist: what it can and cannot do.
         mapping: the user's map.
         part_of, vertex_of: (V,) the part, and the vertex in it, of each vertex of the rig.
+        eyes: the left and the right eye, if they are turned because they have no shapes.
     """
 
     character: Character
@@ -74,6 +76,7 @@ class FittedCharacter:
     mapping: CharacterMap
     part_of: NDArray[np.int32]
     vertex_of: NDArray[np.int32]
+    eyes: tuple[Eye, Eye] | None = None
 
     def place(self, vertex: int) -> Place:
         """A vertex of the rig, as a vertex of the file."""
@@ -166,6 +169,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         mapping=mapping,
         part_of=assembly.part_of,
         vertex_of=assembly.vertex_of,
+        eyes=assembly.eyes,
     )
 
 

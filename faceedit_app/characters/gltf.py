@@ -155,7 +155,9 @@ class Scene:
             colors=colors_of(arrays.get("COLOR_0")),
             surface=self._surface(primitive.get("material")),
         )
-        part = replace(part, eyes=self._eyes(placed, arrays))
+        is_skinned = self.nodes[placed.node].get("skin") is not None
+        node = None if is_skinned else placed.node
+        part = replace(part, eyes=self._eyes(placed, arrays), node=node)
         kept = np.unique(faces).astype(np.intp)
         targets = self._targets(placed, linear, len(neutral), kept)
         return replace(part.only(kept), targets=targets), kept

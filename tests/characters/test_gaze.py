@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
-from support.character_files import FLOAT, UNSIGNED, UNSIGNED_BYTE, Glb, small_glb
+from support.character_files import (
+    FLOAT,
+    UNSIGNED,
+    UNSIGNED_BYTE,
+    Glb,
+    glb_of,
+    parts_of,
+    small_glb,
+)
 from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
 from support.heads import EYE
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.gaze import LOOKS
+from faceedit_app.characters.registry import read_character
+from faceedit_app.characters.scenes import SCENES, scene_content
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.clip import Clip
 
 RADIUS = 0.012  # metres
 ASKEW = [0.0, 0.6, 0.0, 0.8]
@@ -183,3 +195,57 @@ def test_eyes_are_turned_whatever_the_orientation_of_the_file(tmp_path: Path) ->
     out.json["scenes"][0]["nodes"] = [3]
     moved = moves(opened(out, tmp_path), "eyeLookUpLeft", "Eye_L")
     assert moved[-5:, 1].min() > 3.0
+
+
+@pytest.mark.parametrize("kind", [add_eyeballs, add_eye_joints])
+@pytest.mark.parametrize("look", ["eyeLookUpLeft", "eyeLookInLeft", "eyeLookOutRight"])
+@pytest.mark.parametrize("askew", [False, True])
+def test_the_eyes_of_an_exported_glb_look_as_in_the_view(
+    tmp_path: Path, kind: Callable[[Glb], None], look: str, askew: bool
+) -> None:
+    out = without_looks()
+    kind(out)
+    count = len(out.json["nodes"])
+    if askew:
+        out.node(name="Root", rotation=ASKEW, scale=[9.0] * 3, children=list(range(count)))
+        out.json["scenes"][0]["nodes"] = [count]
+    fitted = opened(out, tmp_path)
+    clip = Clip(np.array([[0.0], [1.0]], np.float32), (look,), np.arange(2) / 25, 25.0)
+    content = scene_content(SCENES[0], clip, fitted, "looks")
+    last = poses(content)
+    for number, part in enumerate(fitted.character.parts[1:], 1):
+        mine = fitted.part_of == number
+        shown = fitted.rig.neutral[mine] + fitted.rig.deltas[fitted.rig.channels.index(look)][mine]
+        (tmp_path / "posed.glb").write_bytes(last)
+        posed = {p.name: p for p in read_character(tmp_path / "posed.glb").parts}[part.name]
+        np.testing.assert_allclose(fitted.frame.places(posed.neutral), shown, atol=1e-5)
+
+
+def poses(content: bytes) -> bytes:
+    """An animated GLB whose nodes stand as at the end of its animation."""
+    document, binary = parts_of(content)
+    (animation,) = document.pop("animations")
+    for channel in animation["channels"]:
+        if channel["target"]["path"] != "weights":
+            sampler = animation["samplers"][channel["sampler"]]
+            accessor = document["accessors"][sampler["output"]]
+            place = document["bufferViews"][accessor["bufferView"]]
+            start, width = place["byteOffset"], place["byteLength"] // 4
+            values = np.frombuffer(binary, "<f4", width, start).reshape(2, -1)[1]
+            node = document["nodes"][channel["target"]["node"]]
+            node[channel["target"]["path"]] = values.tolist()
+    return glb_of(document, binary)
+
+
+def test_eyes_in_one_mesh_are_said_to_stay_still_in_an_exported_glb(tmp_path: Path) -> None:
+    out = without_looks()
+    add_eyeballs(out)
+    meshes = out.json["meshes"]
+    meshes[1]["primitives"] += meshes[2]["primitives"]
+    del out.json["nodes"][2], out.json["scenes"][0]["nodes"][2]
+    fitted = opened(out, tmp_path)
+    assert "but not in a GLB" in fitted.checklist.remarks[0]
+    clip = Clip(np.ones((2, 1), np.float32), ("eyeLookUpLeft",), np.arange(2) / 25, 25.0)
+    document, _ = parts_of(scene_content(SCENES[0], clip, fitted, "looks"))
+    paths = [c["target"]["path"] for c in document["animations"][0]["channels"]]
+    assert paths == ["weights"]
