@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.gaze import LOOKS, gaze_turns
 from faceedit_app.characters.glb_turning import rotation_of, split_matrix
-from faceedit_app.characters.gltf import node_places
+from faceedit_app.characters.gltf_nodes import node_places
 from faceedit_app.characters.turning import quaternions
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Floats

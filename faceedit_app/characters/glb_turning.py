@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from faceedit_app.characters.face_frame import FaceFrame
-from faceedit_app.characters.gltf import node_places, own_place
+from faceedit_app.characters.gltf_nodes import node_places, own_place
 from faceedit_app.characters.turning import quaternions, turns
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.head import Head

@@ -28,6 +28,7 @@ from faceedit_app.characters.character import (
 )
 from faceedit_app.characters.eye_joints import eye_joint, is_eye
 from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.gltf_nodes import node_places
 from faceedit_app.characters.gltf_surfaces import colors_of, placed_uv, surface_of
 from faceedit_app.characters.points import PAIRS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
@@ -282,46 +283,6 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
         name = accessors[index].get("name") if inside else None
         found.append(str(name or f"target_{number}")[:200])
     return tuple(found)
-
-
-def node_places(nodes: list[Any]) -> list[Doubles]:
-    """(4, 4) local to world of every node."""
-    parents: dict[int, int] = {}
-    for number, node in enumerate(nodes):
-        for child in node.get("children") or []:
-            parents[whole(child, "the number of a node", len(nodes) - 1)] = number
-    own = [own_place(node) for node in nodes]
-    places: list[Doubles | None] = [None] * len(nodes)
-    for number in range(len(nodes)):
-        chain = []
-        at: int | None = number
-        while at is not None and places[at] is None:
-            chain.append(at)
-            if len(chain) > len(nodes):
-                raise Damaged("its nodes form a cycle")
-            at = parents.get(at)
-        for at in reversed(chain):
-            above = places[parents[at]] if at in parents else None
-            places[at] = own[at] if above is None else above @ own[at]
-    return [place for place in places if place is not None]
-
-
-def own_place(node: Json) -> Doubles:
-    """(4, 4) a node's own transform."""
-    if node.get("matrix") is not None:
-        return finite(np.array(node["matrix"], np.float64).reshape(4, 4).T, "a node's matrix")
-    x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64)
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    place = np.eye(4)
-    place[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), np.float64)
-    place[:3, 3] = node.get("translation", (0, 0, 0))
-    return finite(place, "a node's place")
 
 
 def _turned(linear: Doubles, vectors: Doubles) -> Doubles:
