@@ -33,10 +33,11 @@ from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
 
 # Linear colours of the head's pieces, by their numbers of vertices; the rest is teeth.
-SKIN, MOUTH, TOOTH, LASH = (0.56, 0.36, 0.27), (0.3, 0.09, 0.08), (0.72, 0.66, 0.54), (0.02,) * 3
-PIECES = {14062: SKIN, 24: SKIN, 2977: MOUTH, 114: LASH}
+SKIN, MOUTH, TOOTH = (0.56, 0.36, 0.27), (0.3, 0.09, 0.08), (0.72, 0.66, 0.54)
+PIECES = {14062: SKIN, 24: SKIN, 2977: MOUTH}
 EYEBALL, WHITE, IRIS, PUPIL = 800, (0.75,) * 3, (0.08, 0.13, 0.16), (0.005,) * 3
-CLEAR = (770, 204, 152)  # corneas, and what is wet around the eyes
+# Corneas, what is wet around the eyes, and lashes: sheets, whose hair is only in a texture.
+CLEAR = (770, 204, 152, 114)
 IRIS_SIZE = 0.6  # cm around the axis of an eyeball
 BESIDE = QPoint(24, 96)  # of the checklist in the window
 

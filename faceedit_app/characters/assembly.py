@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character, Part
 from faceedit_app.characters.face_frame import FaceFrame
-from faceedit_app.characters.gaze import LOOKS, gaze_moves
+from faceedit_app.characters.gaze import LOOKS, Eye, find_eyes, gaze_moves
 from faceedit_app.characters.names import Half, Share
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
@@ -38,6 +38,7 @@ class Assembly:
         vertex_of: (V,) int32, the number of each vertex in its part.
         parts: the parts, cut and decimated.
         runs: per part its first triangle and the one after its last.
+        eyes: the left and the right eye, if they are turned because they have no shapes.
     """
 
     neutral: Floats
@@ -48,6 +49,7 @@ class Assembly:
     vertex_of: NDArray[np.int32]
     parts: tuple[Part, ...]
     runs: tuple[tuple[int, int], ...]
+    eyes: tuple[Eye, Eye] | None = None
 
     def moves(self, channel: str) -> Floats | None:
         """(V, 3) metres: the displacements of a channel, or None if it has none."""
@@ -126,22 +128,33 @@ class Assembler:
                         how = share.weight * _mask(share.half, place, mouth, frame.swapped)
                         rows = slice(start, start + len(place))
                         deltas[k, rows] += (how * frame.moves(moves)).astype(np.float32)
-        if not any(channel in LOOKS for channel in channels):
-            gaze = gaze_moves(parts, places, frame, mouth, deltas)
-            if gaze:
-                channels = (*channels, *gaze)
-                deltas = np.concatenate([deltas, *(moves[None] for moves in gaze.values())])
-                self.remarks.append("the eyes have no shapes; they are turned instead")
+        part_of = np.concatenate(numbers)
+        has_looks = any(channel in LOOKS for channel in channels)
+        eyes = None if has_looks else find_eyes(parts, frame, mouth, deltas)
+        if eyes is not None:
+            gaze = gaze_moves(eyes, np.concatenate(places), frame)
+            channels = (*channels, *gaze)
+            deltas = np.concatenate([deltas, *(moves[None] for moves in gaze.values())])
+            self.remarks.append(self._turned(eyes, part_of))
         return Assembly(
             np.concatenate(places).astype(np.float32),
             faces,
             channels,
             deltas,
-            np.concatenate(numbers),
+            part_of,
             np.concatenate(vertices),
             tuple(parts),
             tuple(pairwise(runs)),
+            eyes,
         )
+
+    def _turned(self, eyes: tuple[Eye, Eye], part_of: NDArray[np.int32]) -> str:
+        """A sentence about eyes without shapes."""
+        says = "the eyes have no shapes; they are turned instead"
+        nodes = [eye.nodes(self._character.parts, part_of) for eye in eyes]
+        if self._character.format == "glTF" and not all(nodes):
+            says += ", but not in a GLB that is exported: they are parts of larger meshes"
+        return says
 
     def _head(self, frame: FaceFrame) -> list[tuple[int, Indices, NDArray[np.int32]]]:
         """What to keep of each part: its number, its vertices, and its triangles."""

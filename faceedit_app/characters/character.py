@@ -54,10 +54,12 @@ class EyeJoint:
     Attributes:
         place: (3,) in the file's unit and axes.
         share: (V,) in 0..1, how far each vertex of the part follows it.
+        node: its number in a glTF file.
     """
 
     place: Floats
     share: Floats = field(repr=False)
+    node: int | None = None
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,7 @@ class Part:
         colors: (V, 4) float32, linear RGBA.
         surface: how it is drawn.
         eyes: the joints of eyes that it follows.
+        node: the number of its node in a glTF file, if that places it: a skin does not.
     """
 
     name: str
@@ -83,6 +86,7 @@ class Part:
     colors: Floats | None = None
     surface: Surface = field(default_factory=Surface)
     eyes: tuple[EyeJoint, ...] = ()
+    node: int | None = None
 
     def only(self, kept: Indices) -> Part:
         """The part with only some vertices, in order; its faces must use no others."""
@@ -138,6 +142,11 @@ class Character:
     def targets(self) -> tuple[str, ...]:
         """The names of all morph targets, without repeats, in the file's order."""
         return tuple(dict.fromkeys(name for part in self.parts for name in part.targets))
+
+    @property
+    def meshes(self) -> dict[str, str]:
+        """By morph target, the name of the first part that has it."""
+        return {name: part.name for part in reversed(self.parts) for name in part.targets}
 
     @property
     def vertex_count(self) -> int:

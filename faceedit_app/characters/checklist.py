@@ -15,7 +15,6 @@ DEAD = 0.3  # mm; a shape that moves no vertex farther is not visible
 _OWN_MESH = ("eyeLook", "tongue", "brow")
 # Distances of adult and stylised faces, with a margin, mm.
 _PLAUSIBLE = {
-    ("inner_upper_lip", "inner_lower_lip"): (0.0, 8.0, "the inner lips"),
     ("left_mouth_corner", "right_mouth_corner"): (15.0, 80.0, "the mouth corners"),
     ("left_upper_lid", "left_lower_lid"): (3.0, 40.0, "the left lids"),
     ("right_upper_lid", "right_lower_lid"): (3.0, 40.0, "the right lids"),
@@ -23,6 +22,7 @@ _PLAUSIBLE = {
     ("chin", "lower_lip"): (5.0, 45.0, "chin and lower lip"),
 }
 _OPENS, _SHUT, _WIDENS = 5.0, 2.5, 0.5  # mm
+_PARTED = 3.0  # mm between lips that shapes do not bring together
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,13 @@ def doubts(face: Face, points: Points) -> list[str]:
     lips = ("inner_upper_lip", "inner_lower_lip")
     if all(name in points for name in lips):
         rest = apart(*lips)
+        if rest > _PARTED:
+            found.append(f"the inner lips rest {rest:.1f} mm apart, which weights can hardly close")
         opened = apart(*lips, "jawOpen")
-        if opened - rest < _OPENS:
+        if "jawOpen" in face.moves and opened - rest < _OPENS:
             found.append(f"jawOpen parts the lips by only {opened - rest:.1f} mm")
         shut = apart(*lips, "jawOpen", "mouthClose")
-        if "mouthClose" in face.moves and shut - rest > _SHUT:
+        if {"jawOpen", "mouthClose"} <= set(face.moves) and shut - rest > _SHUT:
             found.append(f"mouthClose leaves the lips {shut:.1f} mm apart when the jaw is open")
     for side in ("left", "right"):
         lids = f"{side}_upper_lid", f"{side}_lower_lid"

@@ -21,6 +21,11 @@ _LIPS = (
     *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
     *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
 )
+# If only the jaw has a shape: the share of its move that is all of it, the least such move in mm,
+# the size of a mouth in mm, and the share below which the weight of a vertex is nothing.
+_ALL_THE_WAY, _OPENED = 0.65, 3.0
+_MOUTH_SIZE = np.array([25.0, 12.0, 20.0])
+_FAR_FROM_IT = 0.02
 
 
 class NotFound(Exception):
@@ -73,7 +78,28 @@ class Face:
             amount = self.amount(channel)
             if amount.max(initial=0.0) > 1e-6:
                 total += amount / amount.max()
-        return total
+        return total if total.any() else self._around_lower_lip()
+
+    def _around_lower_lip(self) -> Doubles:
+        """(N,) 1 at the lower lip, and less around it, if only the jaw has a shape.
+
+        The skin is what both jaw and lids move; the lower lip is the highest of what goes all the
+        way down with the jaw.
+        """
+        drop = np.maximum(-self.move("jawOpen")[:, 1], 0.0)
+        lids = self.amount("eyeBlinkLeft") + self.amount("eyeBlinkRight")
+        labels = self._connected
+        both = [np.bincount(labels, each[self.faces].sum(axis=1)) for each in (drop, lids)]
+        skin = self.faces[labels == (both[0] * both[1]).argmax()].ravel()
+        far = skin[drop[skin] > _ALL_THE_WAY * drop.max()]
+        if drop.max() < _OPENED or not len(far):
+            return np.zeros(len(self.places))
+        middle = np.abs(self.places[far, 0] - np.median(self.places[far, 0]))
+        lip = self.places[far[(self.places[far, 1] - middle).argmax()]]
+        away = np.linalg.norm((self.places - lip) / _MOUTH_SIZE, axis=1)
+        near: Doubles = np.exp(-np.square(away))
+        near[near < _FAR_FROM_IT] = 0.0
+        return near
 
     @cached_property
     def middle(self) -> float:
@@ -91,12 +117,18 @@ class Face:
 
         Lashes and eyeballs that touch it only in an edge or a vertex do not belong to it.
         """
-        adjacency = trimesh.graph.face_adjacency(self.faces)
-        labels = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
+        labels = self._connected
         weight = np.bincount(labels, self.lips[self.faces].sum(axis=1))
         skin = np.zeros(len(self.places), np.bool_)
         skin[self.faces[labels == weight.argmax()].ravel()] = True
         return skin
+
+    @cached_property
+    def _connected(self) -> Indices:
+        """(F,) the connected surface of each triangle."""
+        adjacency = trimesh.graph.face_adjacency(self.faces)
+        labels: Indices = trimesh.graph.connected_component_labels(adjacency, len(self.faces))
+        return labels
 
     def way(self, near: Bools, start: int, end: int, moves: Doubles) -> list[int] | None:
         """The shortest way along edges from `end` back to `start`; None if there is none.

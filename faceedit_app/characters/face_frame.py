@@ -2,7 +2,8 @@
 
 Files may be in any unit, with any axis up. The shapes that close the eyes show where the eyes are
 (the eyeballs, if there are none), and those of the mouth show the mouth: the eyes are 63 mm apart,
-up is from the mouth to the eyes, and forward is from inside the head to the mouth.
+up is from the mouth to the eyes, and forward is from inside the head to the mouth. How far a head
+nods is also seen in how its shapes move it: lids fall, brows rise, and lips are pushed forward.
 """
 
 from __future__ import annotations
@@ -30,7 +31,14 @@ _MOUTH = (
     *("mouthLowerDownRight", "mouthStretchLeft", "mouthStretchRight"),
 )
 _HEAD = 2.5  # eye distances around the eyes; the size of the head
+_BODY = 8.0  # eye distances; a file that reaches farther holds a body, which stands upright
 _UPRIGHT = 0.85  # cosine to an axis of the file above which that axis is up
+_SURELY = 0.94  # the same, if the moves of shapes show which way is up, too
+# Shapes that show which way is up by moving there (1), or away from it (-1).
+_RISING = ((("browInnerUp",), 1.0), (_EYES, -1.0))
+_FORWARD = ("mouthPucker", "mouthFunnel")
+_STRAIGHT = 0.5  # of a shape: the share of its moves that have one direction
+_CUES, _AGREED = 3, 0.9  # how many cues are needed, and how long their mean must be
 _LEVEL = 0.9976  # cosine of 4 degrees, for the axis through the eyes
 
 
@@ -92,7 +100,7 @@ def find_frame(
         eyes = find_eyeballs(character, _centre(points, mouth))
         if eyes is not None:
             kept = _each_once(points, mouth > 0)
-            return _frame(path, points[kept], eyes, _centre(points[kept], mouth[kept]), named=False)
+            return _frame(path, points[kept], eyes, _centre(points[kept], mouth[kept]), False, ())
     _need_eyes(path, shares)
     left, right = (amount([channel]) for channel in _EYES)
     for name, moved in (("left eye", left), ("right eye", right), ("mouth", mouth)):
@@ -103,7 +111,29 @@ def find_frame(
     points, left, right, mouth = points[kept], left[kept], right[kept], mouth[kept]
     is_one = any(share.half != Half.WHOLE for c in _EYES for share in shares[c])
     centres = _two_eyes(points, left) if is_one else (_centre(points, left), _centre(points, right))
-    return _frame(path, points, centres, _centre(points, mouth), named=not is_one)
+    cues = _cues(character, shares, target)
+    return _frame(path, points, centres, _centre(points, mouth), not is_one, cues)
+
+
+def _cues(
+    character: Character, shares: Shares, target: Callable[[int, str], NDArray[np.float32] | None]
+) -> list[tuple[Doubles, bool]]:
+    """Directions (3,) that are up, or forward (True), in which shapes move the face."""
+
+    def direction(channels: Sequence[str]) -> Doubles | None:
+        mine = [share for channel in channels for share in shares.get(channel, ())]
+        if any(share.half not in (Half.WHOLE, Half.LEFT, Half.RIGHT) for share in mine):
+            return None  # a part of an expression
+        parts = range(len(character.parts))
+        moves = np.concatenate([_moves(character, i, mine, target) for i in parts])
+        amount = np.linalg.norm(moves, axis=1)
+        total: Doubles = amount @ moves
+        is_straight = np.linalg.norm(total) > _STRAIGHT * float(amount @ amount)
+        return total / np.linalg.norm(total) if is_straight else None
+
+    found = [(direction(names), sign, False) for names, sign in _RISING]
+    found.append((direction(_FORWARD), 1.0, True))
+    return [(sign * way, forward) for way, sign, forward in found if way is not None]
 
 
 def _each_once(points: Doubles, moved: Bools) -> Indices:
@@ -156,7 +186,12 @@ def _two_eyes(points: Doubles, amount: Doubles) -> tuple[Doubles, Doubles]:
 
 
 def _frame(
-    path: object, points: Doubles, eyes: tuple[Doubles, Doubles], mouth: Doubles, named: bool
+    path: object,
+    points: Doubles,
+    eyes: tuple[Doubles, Doubles],
+    mouth: Doubles,
+    named: bool,
+    cues: Sequence[tuple[Doubles, bool]],
 ) -> FaceFrame:
     middle, across = (eyes[0] + eyes[1]) / 2, eyes[0] - eyes[1]
     apart = float(np.linalg.norm(across))
@@ -167,15 +202,34 @@ def _frame(
     up -= x * (up @ x)
     if np.linalg.norm(up) < 0.2 * apart:
         raise FileError(str(path), "its mouth is not below its eyes", "check its mouth shapes")
-    y = _snapped(up / np.linalg.norm(up), _UPRIGHT)
+    away = np.linalg.norm(points - middle, axis=1)
+    if away.max() > _BODY * apart:
+        cues = ()
+    y = _upwards(up / np.linalg.norm(up), x, cues)
     y -= x * (y @ x)
     y /= np.linalg.norm(y)
     z = np.cross(x, y)
-    head = points[np.linalg.norm(points - middle, axis=1) < _HEAD * apart]
-    backwards = bool((mouth - head.mean(axis=0)) @ z < 0)
+    backwards = bool((mouth - points[away < _HEAD * apart].mean(axis=0)) @ z < 0)
     if backwards:  # left and right are swapped
         x, z = -x, -z
     return FaceFrame(np.stack((x, y, z)), middle, EYES_APART / 1000.0 / apart, backwards and named)
+
+
+def _upwards(up: Doubles, x: Doubles, cues: Sequence[tuple[Doubles, bool]]) -> Doubles:
+    """Which way is up, given that from the mouth to the eyes and the axis through the eyes."""
+    ways = [up]
+    for cue, is_forward in cues:
+        way = np.cross(cue, x) if is_forward else cue - x * (cue @ x)
+        if is_forward:  # x may be the face's right
+            way = way * np.sign(way @ up)
+        size = float(np.linalg.norm(way))
+        if size > _STRAIGHT:
+            ways.append(way / size)
+    mean: Doubles = np.mean(ways, axis=0)
+    length = float(np.linalg.norm(mean))
+    if len(ways) < _CUES or length < _AGREED:
+        return _snapped(up, _UPRIGHT)
+    return _snapped(mean / length, _SURELY)
 
 
 def _snapped(axis: Doubles, nearness: float) -> Doubles:

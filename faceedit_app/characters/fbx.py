@@ -6,7 +6,6 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +18,24 @@ from faceedit_app.characters.bounded import (
     finite,
     read_file,
 )
-from faceedit_app.characters.character import Character, Part, Surface, Texture, unique_names
+from faceedit_app.characters.character import (
+    Character,
+    EyeJoint,
+    Part,
+    Surface,
+    Texture,
+    unique_names,
+)
+from faceedit_app.characters.eye_joints import eye_joint, is_eye
+from faceedit_app.characters.fbx_places import (
+    geometric_place,
+    local_place,
+    properties_of,
+    vector,
+)
 from faceedit_app.characters.fbx_tree import Record, read_tree
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
-
-_ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")  # of RotationOrder 0 to 5
 
 
 def read_fbx(path: Path) -> Character:
@@ -104,6 +115,7 @@ class _Scene:
             faces=np.ascontiguousarray(faces[:, ::-1]) if flipped else faces,
             targets=targets,
             uv=None if uv is None else uv[first].astype(np.float32),
+            eyes=tuple(self._eyes(number, len(vertices), points)),
         )
         surfaces = self._surfaces(model)
         chosen = _materials(geometry, int(owners.max()) + 1)[owners]
@@ -112,6 +124,29 @@ class _Scene:
             surface = surfaces[material] if 0 <= material < len(surfaces) else Surface()
             part = replace(whole, faces=mine, surface=surface)
             yield part.only(np.unique(mine).astype(np.intp))
+
+    def _eyes(self, geometry: int, count: int, points: NDArray[np.int64]) -> Iterator[EyeJoint]:
+        """The joints of eyes that carry a mesh.
+
+        Args:
+            count: of the mesh's vertices.
+            points: (V,) the vertex of the mesh that each vertex of the part is.
+        """
+        for deformer in self._under(geometry, "Deformer", "Skin"):
+            for cluster in self._under(deformer, "Deformer", "Cluster"):
+                bone = next((c for c, _ in self._children[cluster] if self._is(c, "Model")), None)
+                if bone is None or not is_eye(_label(self._objects[bone])):
+                    continue
+                rows, weights = (self._objects[cluster].array(n) for n in ("Indexes", "Weights"))
+                if rows is None or weights is None or len(rows) != len(weights) or not len(rows):
+                    continue
+                if rows.min() < 0 or rows.max() >= count:
+                    raise Damaged("a joint carries a vertex that does not exist")
+                share = np.zeros(count)
+                share[rows] = finite(weights, "a joint's weights")
+                joint = eye_joint(self._node_place(bone)[:3, 3], share[points])
+                if joint is not None:
+                    yield joint
 
     def _vertices(self, geometry: Record) -> Doubles:
         vertices = geometry.array("Vertices")
@@ -160,10 +195,8 @@ class _Scene:
         """(4, 4) local to world of a model at rest, with its geometric transform."""
         if model is None:
             return np.eye(4)
-        properties = _properties(self._objects[model])
-        place = self._node_place(model) @ _composed(
-            properties, "GeometricTranslation", "GeometricRotation", "GeometricScaling"
-        )
+        properties = properties_of(self._objects[model])
+        place = self._node_place(model) @ geometric_place(properties)
         return finite(place, "a model's place")
 
     def _node_place(self, model: int) -> Doubles:
@@ -172,7 +205,7 @@ class _Scene:
         at: int | None = model
         while at is not None and at not in seen:
             seen.add(at)
-            place = _local(_properties(self._objects[at])) @ place
+            place = local_place(properties_of(self._objects[at])) @ place
             at = next((p for p in self._parents[at] if self._is(p, "Model")), None)
         return place
 
@@ -187,8 +220,8 @@ class _Scene:
 
     def _surface(self, number: int) -> Surface:
         record = self._objects[number]
-        properties = _properties(record)
-        red, green, blue = np.clip(_vector(properties, "DiffuseColor", (0.8, 0.8, 0.8)), 0, 1)
+        properties = properties_of(record)
+        red, green, blue = np.clip(vector(properties, "DiffuseColor", (0.8, 0.8, 0.8)), 0, 1)
         uses = ("DiffuseColor", "Diffuse", "Maya|baseColor", "3dsMax|Parameters|base_color_map")
         texture = next(
             (
@@ -246,83 +279,6 @@ def _label(record: Record) -> str:
     """The name of an object, without the kind that follows it in the file."""
     name = str(record.values[1]) if len(record.values) > 1 else ""
     return name.split("\x00")[0][:200] or "mesh"
-
-
-def _properties(record: Record) -> dict[str, tuple[Any, ...]]:
-    table = record.first("Properties70")
-    return {str(p.values[0]): p.values[4:] for p in (table.all("P") if table else ()) if p.values}
-
-
-def _vector(
-    properties: dict[str, tuple[Any, ...]], name: str, default: tuple[float, float, float]
-) -> Doubles:
-    values = properties.get(name, default)
-    if len(values) < 3 or not all(isinstance(v, (int, float)) for v in values[:3]):
-        return np.array(default)
-    return finite(np.array(values[:3], np.float64), name)
-
-
-def _local(properties: dict[str, tuple[Any, ...]]) -> Doubles:
-    """A model's own transform, as the FBX SDK composes it.
-
-    Translation, rotation pivot and offset, pre- and post-rotation, scaling pivot and offset.
-    """
-    order = properties.get("RotationOrder", (0,))
-    which = order[0] if order and isinstance(order[0], int) and 0 <= order[0] < 6 else 0
-    zero, one = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
-    pivot, scaling_pivot = (_vector(properties, n, zero) for n in ("RotationPivot", "ScalingPivot"))
-    rotation = _rotation(_vector(properties, "Lcl Rotation", zero), _ORDERS[which])
-    before = _rotation(_vector(properties, "PreRotation", zero), "XYZ")
-    after = _rotation(_vector(properties, "PostRotation", zero), "XYZ")
-    scale = np.diag((*_vector(properties, "Lcl Scaling", one), 1.0))
-    steps = (
-        _shift(_vector(properties, "Lcl Translation", zero)),
-        _shift(_vector(properties, "RotationOffset", zero)),
-        _shift(pivot),
-        before,
-        rotation,
-        after.T,
-        _shift(-pivot),
-        _shift(_vector(properties, "ScalingOffset", zero)),
-        _shift(scaling_pivot),
-        scale,
-        _shift(-scaling_pivot),
-    )
-    place = np.eye(4)
-    for step in steps:
-        place = place @ step
-    return place
-
-
-def _composed(
-    properties: dict[str, tuple[Any, ...]], translation: str, rotation: str, scaling: str
-) -> Doubles:
-    zero, one = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
-    turned = _shift(_vector(properties, translation, zero)) @ _rotation(
-        _vector(properties, rotation, zero), "XYZ"
-    )
-    place: Doubles = turned @ np.diag((*_vector(properties, scaling, one), 1.0))
-    return place
-
-
-def _shift(by: Doubles) -> Doubles:
-    place = np.eye(4)
-    place[:3, 3] = by
-    return place
-
-
-def _rotation(degrees: Doubles, order: str) -> Doubles:
-    """(4, 4) rotation by Euler angles about the fixed axes, in the order of application."""
-    place = np.eye(4)
-    for axis in order:
-        number = "XYZ".index(axis)
-        angle = np.radians(degrees[number])
-        a, b = [(1, 2), (2, 0), (0, 1)][number]
-        turn = np.eye(4)
-        turn[a, a] = turn[b, b] = np.cos(angle)
-        turn[a, b], turn[b, a] = -np.sin(angle), np.sin(angle)
-        place = turn @ place
-    return place
 
 
 def _triangles(

@@ -14,8 +14,10 @@ from faceedit_app.characters.character import Character, Part, Place, Surface
 from faceedit_app.characters.checklist import DEAD, Checklist, make_checklist
 from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
+from faceedit_app.characters.gaze import Eye
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.names import Match, Share, match_channels
+from faceedit_app.characters.percent import REMARK, in_percent
 from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.points import PAIRS, POINTS, find_points
 from faceedit_app.characters.registry import read_character
@@ -61,6 +63,7 @@ class FittedCharacter:
         checklist: what it can and cannot do.
         mapping: the user's map.
         part_of, vertex_of: (V,) the part, and the vertex in it, of each vertex of the rig.
+        eyes: the left and the right eye, if they are turned because they have no shapes.
     """
 
     character: Character
@@ -73,6 +76,7 @@ class FittedCharacter:
     mapping: CharacterMap
     part_of: NDArray[np.int32]
     vertex_of: NDArray[np.int32]
+    eyes: tuple[Eye, Eye] | None = None
 
     def place(self, vertex: int) -> Place:
         """A vertex of the rig, as a vertex of the file."""
@@ -125,10 +129,15 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     """
     mapping = mapping or CharacterMap()
     _need_shapes(character)
-    match = mapping.applied(match_channels(character.targets))
+    match = mapping.applied(match_channels(character.targets, character.meshes))
     _need_match(character, match)
     assembler = Assembler(character, match.shares, match.alike)
     frame = find_frame(character, match.shares, assembler.target)
+    remarks = list(character.remarks)
+    full = in_percent(character, match, assembler.target, frame.scale)
+    if full is not None:
+        match, assembler = full, Assembler(character, full.shares, full.alike)
+        remarks.append(REMARK)
     assembly = assembler.assemble(frame)
     welded = weld(assembly)
     face = Face.of(assembly, welded)
@@ -138,7 +147,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     found |= _placed(character, known, assembly, welded, strict=False)
     found |= _placed(character, mapping.points, assembly, welded)
     found = {name: found[name] for name in POINTS if name in found}
-    remarks = [*character.remarks, *assembler.remarks]
+    remarks += assembler.remarks
     if frame.swapped:
         remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)
@@ -160,6 +169,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         mapping=mapping,
         part_of=assembly.part_of,
         vertex_of=assembly.vertex_of,
+        eyes=assembly.eyes,
     )
 
 
@@ -177,6 +187,14 @@ def _need_match(character: Character, match: Match) -> None:
     if len(match.matched) >= _FEWEST:
         return
     names = character.targets
+    if match.matched:
+        known = ", ".join(list(match.matched))
+        raise FileError(
+            character.path,
+            f"has only {len(match.matched)} shapes with names that FaceEdit knows "
+            f"({known}), and {_FEWEST} are needed",
+            f"rename the others as in ARKit, or map them in {map_path(character.path).name}",
+        )
     shown = ", ".join(name[:30] for name in names[:3]) + (" …" if len(names) > 3 else "")
     raise FileError(
         character.path,

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.characters.glb_gaze import EyeTurns, turned_node
 from faceedit_app.characters.glb_turning import HeadTurns, turning_node
 from faceedit_app.characters.glb_writing import rig_content
 from faceedit_app.characters.scene import Scene
@@ -50,6 +51,7 @@ def animate_glb(
     name: str,
     compact: bool = False,
     turns: HeadTurns | None = None,
+    eyes: Sequence[EyeTurns] = (),
 ) -> bytes:
     """A character's GLB with an animation added, and nothing else changed.
 
@@ -61,6 +63,7 @@ def animate_glb(
         name: of the animation.
         compact: store the weights as 16-bit integers.
         turns: how the head turns; without a joint of the head, the scene is put below a new node.
+        eyes: how eyes without shapes turn.
 
     Raises:
         FileError: it cannot be read, or none of its meshes has these shapes.
@@ -71,7 +74,7 @@ def animate_glb(
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     try:
-        return _animated(content, weights, times, name, compact, alike, turns)
+        return _animated(content, weights, times, name, compact, alike, turns, eyes)
     except _DAMAGE:
         raise FileError(path, "is damaged", "export it again") from None
 
@@ -93,6 +96,7 @@ def _animated(
     compact: bool,
     alike: Mapping[str, Sequence[str]] | None = None,
     turns: HeadTurns | None = None,
+    eyes: Sequence[EyeTurns] = (),
 ) -> bytes:
     document, (start, stop) = split_glb(content)
     out = _Writer(document, content[start:stop])
@@ -118,11 +122,21 @@ def _animated(
         samplers.append({"input": clock, "output": output, "interpolation": "LINEAR"})
     if not channels:
         raise ValueError("no mesh has these shapes")
+
+    def play(node: int, path: str, values: Floats) -> None:
+        channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
+        output = out.add_vectors(values)
+        samplers.append({"input": clock, "output": output, "interpolation": "LINEAR"})
+
+    for eye in eyes:
+        turned = turned_node(document, eye, eyes)
+        if turned is not None:
+            play(eye.node, "rotation", turned[0])
+            if np.ptp(turned[1], axis=0).max() > 0:
+                play(eye.node, "translation", turned[1])
     if turns is not None:
         node, rotations = turning_node(document, turns)
-        channels.append({"sampler": len(samplers), "target": {"node": node, "path": "rotation"}})
-        output = out.add_rotations(rotations)
-        samplers.append({"input": clock, "output": output, "interpolation": "LINEAR"})
+        play(node, "rotation", rotations)
     animation = {"name": name, "samplers": samplers, "channels": channels}
     # In front of others, because programs play the first.
     document["animations"] = [animation, *document.get("animations", [])]
@@ -195,12 +209,10 @@ class _Writer:
         }
         return self._accessor(**common, sparse=sparse)
 
-    def add_rotations(self, rotations: Floats) -> int:
-        """Add rotations (T, 4) x, y, z, w; returns the accessor's index."""
-        view = self._view(rotations.astype("<f4"))
-        return self._accessor(
-            bufferView=view, componentType=_FLOAT, count=len(rotations), type="VEC4"
-        )
+    def add_vectors(self, vectors: Floats) -> int:
+        """Add rotations (T, 4) x, y, z, w or translations (T, 3); returns the accessor's index."""
+        view, kind = self._view(vectors.astype("<f4")), f"VEC{vectors.shape[1]}"
+        return self._accessor(bufferView=view, componentType=_FLOAT, count=len(vectors), type=kind)
 
     def content(self) -> bytes:
         """The whole file."""

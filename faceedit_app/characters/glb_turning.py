@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from faceedit_app.characters.face_frame import FaceFrame
-from faceedit_app.characters.gltf import node_places, own_place
+from faceedit_app.characters.gltf_nodes import node_places, own_place
 from faceedit_app.characters.turning import quaternions, turns
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.head import Head
@@ -56,8 +56,8 @@ def turning_node(document: dict[str, Any], heads: HeadTurns) -> tuple[int, Float
         return _wrapped(document, heads), quaternions(heads.matrices)
     places = node_places(nodes)
     parent = next((k for k, n in enumerate(nodes) if joint in (n.get("children") or [])), None)
-    above = np.eye(3) if parent is None else _rotation(places[parent])
-    _split_matrix(nodes[joint])
+    above = np.eye(3) if parent is None else rotation_of(places[parent])
+    split_matrix(nodes[joint])
     own = Rotation.from_quat(nodes[joint].get("rotation", (0.0, 0.0, 0.0, 1.0))).as_matrix()
     return joint, quaternions(above.T @ heads.matrices @ above @ own)
 
@@ -93,20 +93,20 @@ def _wrapped(document: dict[str, Any], heads: HeadTurns) -> int:
     return turned
 
 
-def _rotation(place: Doubles) -> Doubles:
-    """The rotation of a place (4, 4) without shear; a mirrored one keeps its first two axes."""
+def rotation_of(place: Doubles) -> Doubles:
+    """(3, 3) the rotation of a place (4, 4), without shear; if mirrored, of its first two axes."""
     left, _, right = np.linalg.svd(place[:3, :3])
     turned: Doubles = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
     return turned
 
 
-def _split_matrix(node: dict[str, Any]) -> None:
+def split_matrix(node: dict[str, Any]) -> None:
     """Replace the matrix of a node, which cannot be animated, by its parts."""
     if node.get("matrix") is None:
         return
     place = own_place(node)
     del node["matrix"]
-    turned = _rotation(place)
+    turned = rotation_of(place)
     node["translation"] = place[:3, 3].tolist()
     node["rotation"] = Rotation.from_matrix(turned).as_quat().tolist()
     node["scale"] = np.diag(turned.T @ place[:3, :3]).tolist()

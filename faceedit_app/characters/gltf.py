@@ -26,8 +26,9 @@ from faceedit_app.characters.character import (
     Surface,
     unique_names,
 )
-from faceedit_app.characters.eye_joints import eye_joints
+from faceedit_app.characters.eye_joints import eye_joint, is_eye
 from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.gltf_nodes import node_places
 from faceedit_app.characters.gltf_surfaces import colors_of, placed_uv, surface_of
 from faceedit_app.characters.points import PAIRS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
@@ -155,7 +156,9 @@ class Scene:
             colors=colors_of(arrays.get("COLOR_0")),
             surface=self._surface(primitive.get("material")),
         )
-        part = replace(part, eyes=self._eyes(placed, arrays))
+        is_skinned = self.nodes[placed.node].get("skin") is not None
+        node = None if is_skinned else placed.node
+        part = replace(part, eyes=self._eyes(placed, arrays), node=node)
         kept = np.unique(faces).astype(np.intp)
         targets = self._targets(placed, linear, len(neutral), kept)
         return replace(part.only(kept), targets=targets), kept
@@ -219,12 +222,17 @@ class Scene:
         if index is None or "JOINTS_0" not in arrays or "WEIGHTS_0" not in arrays:
             return ()
         joints = self.document.entry("skins", index)["joints"]
-        return eye_joints(
-            [str(self.nodes[joint].get("name") or "") for joint in joints],
-            [self.places[joint][:3, 3] for joint in joints],
-            arrays["JOINTS_0"].astype(np.intp),
-            arrays["WEIGHTS_0"].astype(np.float64),
-        )
+        which, weights = arrays["JOINTS_0"], arrays["WEIGHTS_0"].astype(np.float64)
+        found = [
+            eye_joint(
+                self.places[joint][:3, 3],
+                np.where(which == number, weights, 0.0).sum(axis=1),
+                joint,
+            )
+            for number, joint in enumerate(joints)
+            if is_eye(str(self.nodes[joint].get("name") or ""))
+        ]
+        return tuple(joint for joint in found if joint is not None)
 
     def _targets(
         self, placed: Placed, linear: Doubles, count: int, kept: Indices
@@ -275,46 +283,6 @@ def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, 
         name = accessors[index].get("name") if inside else None
         found.append(str(name or f"target_{number}")[:200])
     return tuple(found)
-
-
-def node_places(nodes: list[Any]) -> list[Doubles]:
-    """(4, 4) local to world of every node."""
-    parents: dict[int, int] = {}
-    for number, node in enumerate(nodes):
-        for child in node.get("children") or []:
-            parents[whole(child, "the number of a node", len(nodes) - 1)] = number
-    own = [own_place(node) for node in nodes]
-    places: list[Doubles | None] = [None] * len(nodes)
-    for number in range(len(nodes)):
-        chain = []
-        at: int | None = number
-        while at is not None and places[at] is None:
-            chain.append(at)
-            if len(chain) > len(nodes):
-                raise Damaged("its nodes form a cycle")
-            at = parents.get(at)
-        for at in reversed(chain):
-            above = places[parents[at]] if at in parents else None
-            places[at] = own[at] if above is None else above @ own[at]
-    return [place for place in places if place is not None]
-
-
-def own_place(node: Json) -> Doubles:
-    """(4, 4) a node's own transform."""
-    if node.get("matrix") is not None:
-        return finite(np.array(node["matrix"], np.float64).reshape(4, 4).T, "a node's matrix")
-    x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64)
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    place = np.eye(4)
-    place[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), np.float64)
-    place[:3, 3] = node.get("translation", (0, 0, 0))
-    return finite(place, "a node's place")
 
 
 def _turned(linear: Doubles, vectors: Doubles) -> Doubles:

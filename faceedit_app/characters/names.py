@@ -13,12 +13,13 @@ less well (the visemes of a VRM) are used only if there is nothing better, and `
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from faceedit_app.characters.other_names import OTHER_NAMES
+from faceedit_app.characters.other_names import ACTION_UNITS, OTHER_NAMES, OTHER_STEMS
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.names import canonical_channel
 
@@ -90,24 +91,40 @@ class Match:
 
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_A-Za-z]+|\d+")
 _NUMBERED = re.compile(r"^[A-Za-z]?\d{1,3}[ _-]+(?=[A-Za-z])")  # A14_Eye_Blink_Left
+_DAZ = re.compile(r"(?<![A-Za-z])(?:[ep]CTRL|PHM)(?=[A-Z])")  # eCTRLMouthOpen
 _VERSION = re.compile(r"v\d+", re.IGNORECASE)  # head.eyeBlinkLeft.v2
 _COPY = re.compile(r"\.\d{3}$")  # Blender's second jawOpen is jawOpen.001
 _SIDES = dict.fromkeys(("l", "lt", "lf", "lft", "left"), "left") | dict.fromkeys(
     ("r", "rt", "rg", "rgt", "right"), "right"
 )
+_QUARTERS = {  # beside `lb` and `rb`, `lt` and `rt` mean the upper quarters; they are read as sides
+    **{"ul": ("upper", "left"), "ur": ("upper", "right")},
+    **{"dl": ("lower", "left"), "dr": ("lower", "right")},
+    **{"lb": ("lower", "left"), "rb": ("lower", "right")},
+}
 # Words about the file, not the face.
 _NOISE = re.compile(
     r"blendshapes?|blend|shapes?|bsh?|key|morph(er)?|targets?|face|facial|facs?|jnt|head|arkit|ark?|"
     r"kit|apple|ctrls?|controls?|exp(ressions?)?|mesh|geo|body|avatar|skin|char(acter)?|genesis|"
-    r"(fe)?male"
+    r"(fe)?male|lod|div"
+)
+# An action unit of FACS, and the side of the face: AU12_L, AU_12_LipCornerPuller_Left.
+_ACTION_UNIT = re.compile(
+    r"(?:^|.*[^A-Za-z])AU[ _-]?0*(?P<number>\d{1,2})(?:[ _.-]?[A-Za-z]{4,})*?[ _.-]?"
+    r"(?P<side>L|R|Left|Right)?",
+    re.IGNORECASE,
 )
 _FACE = re.compile(r"brows?|cheeks?|eyes?|eyelids?|jaw|mouth|lips?|nose|tongue")
 
 
 def words_of(name: str) -> list[str]:
     """The words of a name in lower case, without the namespace and words about the file."""
-    text = _COPY.sub("", name.strip())
+    # Half-width kana and full-width letters are other forms of the same.
+    text = _COPY.sub("", unicodedata.normalize("NFKC", name).strip())
     text = re.split(r"[:|/\\]", text)[-1]
+    unit = _ACTION_UNIT.fullmatch(text)
+    if unit and int(unit["number"]) in ACTION_UNITS:
+        return [*ACTION_UNITS[int(unit["number"])], *filter(None, [(unit["side"] or "").lower()])]
     pieces = [piece for piece in text.split(".") if piece.strip()]
     while len(pieces) > 1 and _VERSION.fullmatch(pieces[-1].strip()):
         pieces.pop()
@@ -115,7 +132,7 @@ def words_of(name: str) -> list[str]:
         text = " ".join(pieces[-2:])
     elif pieces:
         text = pieces[-1]
-    words = [word.lower() for word in _WORDS.findall(_NUMBERED.sub("", text))]
+    words = [word.lower() for word in _WORDS.findall(_DAZ.sub("", _NUMBERED.sub("", text)))]
     words = [word for word in words if not word.isdigit()] or words
     while len(words) > 1 and _NOISE.fullmatch(words[0]):
         words = words[1:]
@@ -126,7 +143,7 @@ def words_of(name: str) -> list[str]:
 
 def _keys(words: Sequence[str]) -> tuple[str, ...]:
     """The keys to look up: words with `l` and `r` spelt out, as they are and with the side last."""
-    spelt = [_SIDES.get(word, word) for word in words]
+    spelt = [each for word in words for each in _QUARTERS.get(word, (_SIDES.get(word, word),))]
     sides = [i for i, word in enumerate(spelt) if word in ("left", "right")]
     keys = ["".join(spelt)]
     if len(sides) == 1 and len(spelt) > 1:
@@ -138,16 +155,9 @@ def _keys(words: Sequence[str]) -> tuple[str, ...]:
 # --- what the words mean ----------------------------------------------------------------------
 
 _CHANNELS = {channel.lower(): channel for channel in ARKIT_CHANNELS}
-# ARKit has one, others one for each side, or even for each quarter of the mouth.
-_HALVES = (
-    *("browInnerUp", "cheekPuff", "mouthPucker", "mouthFunnel", "mouthRollUpper"),
-    "mouthRollLower",
-)
 _TWO_SIDED = sorted(
     {c.removesuffix("Left") for c in ARKIT_CHANNELS if c.endswith("Left")} - {"jaw", "mouth"}
 )
-
-_QUARTER = re.compile(r"(?:pucker|funnel)(up|down)(?:left|right)$")
 
 # Substitutes for channels without a shape of their own: the presets of VRM 0 and 1, the visemes of
 # Oculus, VRoid's and MikuMikuDance's names. Keys are as `_keys` makes them.
@@ -164,41 +174,86 @@ def _one(channel: str, half: Half = Half.WHOLE) -> _Rough:
 
 _BLINK = _both("eyeBlink")
 _SMILE = _both("mouthSmile", Half.LOWER_LEFT, Half.LOWER_RIGHT)
+_LOWER_DOWN = _both("mouthLowerDown")
 _UPPER = (Half.UPPER_LEFT, Half.UPPER_RIGHT)
 _ROUGH: tuple[tuple[tuple[str, ...], _Rough], ...] = (
     (
-        ("blink", "eyeclose", "eyesclosed", "eyesclose", "eyeclosed", "fcleyeclose", "まばたき"),
+        (
+            *("blink", "eyeclose", "eyesclosed", "eyesclose", "eyeclosed", "eyesblink"),
+            *("fcleyeclose", "まばたき", "眨眼", "笑い"),
+        ),
         _BLINK,
     ),
     (("fcleyecloseleft", "ウィンク左", "ウィンク"), _one("eyeBlinkLeft")),
     (("fcleyecloseright", "ウィンク右"), _one("eyeBlinkRight")),
-    (("mouthopen", "openmouth"), _one("jawOpen")),
-    (("smile", "mouthhappy"), _SMILE),
-    (("a", "aa", "ah", "visemeaa", "vrcvaa", "fclmtha", "mtha", "moutha", "あ"), _one("jawOpen")),
-    (("o", "oh", "visemeo", "vrcvoh", "fclmtho", "mtho", "お"), _one("mouthFunnel")),
-    (("u", "ou", "visemeu", "vrcvou", "fclmthu", "mthu", "う"), _one("mouthPucker")),
-    (("i", "ih", "visemei", "vrcvih", "fclmthi", "mthi", "い"), _both("mouthStretch")),
-    (("e", "ee", "visemee", "vrcve", "fclmthe", "mthe", "え"), _both("mouthLowerDown")),
-    (("visemepp", "vrcvpp"), _both("mouthPress")),
-    (("fun", "relaxed", "fclmthfun", "mthfun", "にやり"), _SMILE),
-    (("joy", "happy", "fclmthjoy", "mthjoy", "笑い"), _SMILE),
-    (("angry", "fclbrwangry", "brwangry", "怒り"), _both("browDown", *_UPPER)),
+    (("mouthopen", "openmouth", "张嘴", "張嘴"), _one("jawOpen")),
+    (("smile", "mouthhappy", "口角上げ", "にっこり"), _SMILE),
+    (
+        (
+            *("a", "aa", "ah", "visemeaa", "vrcvaa", "vaa", "fclmtha", "mtha", "moutha", "あ"),
+            *("vopen", "open"),
+        ),
+        _one("jawOpen"),
+    ),
+    (
+        ("o", "oh", "visemeo", "vrcvoh", "voh", "vow", "fclmtho", "mtho", "moutho", "お"),
+        _one("mouthFunnel"),
+    ),
+    (
+        ("u", "ou", "visemeu", "vrcvou", "vou", "vuw", "fclmthu", "mthu", "mouthu", "う"),
+        _one("mouthPucker"),
+    ),
+    (
+        ("i", "ih", "visemei", "vrcvih", "vih", "fclmthi", "mthi", "mouthi", "い"),
+        _both("mouthStretch"),
+    ),
+    (("e", "ee", "visemee", "vrcve", "vee", "ve", "fclmthe", "mthe", "mouthe", "え"), _LOWER_DOWN),
+    (("口横広げ", "mouthwiden"), _both("mouthStretch")),
+    (("mouthbottomlipdown",), _LOWER_DOWN),
+    (("mouthtoplipup", "liptopupdown"), _both("mouthUpperUp")),
+    (("visemepp", "vrcvpp", "vpp", "pp"), _both("mouthPress")),
+    (("fun", "relaxed", "fclmthfun", "mthfun", "にやり", "微笑"), _SMILE),
+    (("joy", "happy", "fclmthjoy", "mthjoy"), _SMILE),
+    (("口角下げ", "∧", "fclmthangry"), _both("mouthFrown", Half.LOWER_LEFT, Half.LOWER_RIGHT)),
+    (("angry", "fclbrwangry", "brwangry", "怒り", "下"), _both("browDown", *_UPPER)),
     (("sorrow", "sad", "fclbrwsorrow", "brwsorrow", "困る"), _one("browInnerUp", Half.UPPER)),
-    (("surprised", "fclbrwsurprised", "brwsurprised", "びっくり"), _both("browOuterUp", *_UPPER)),
-    (("lookup",), _both("eyeLookUp")),
-    (("lookdown",), _both("eyeLookDown")),
+    (
+        ("browupleft", "browsupleft", "browraiseleft", "browupdownleft"),
+        _one("browOuterUpLeft"),
+    ),
+    (
+        ("browupright", "browsupright", "browraiseright", "browupdownright"),
+        _one("browOuterUpRight"),
+    ),
+    (
+        ("surprised", "fclbrwsurprised", "brwsurprised", "上", "browup", "browsup", "browraise"),
+        _both("browOuterUp", *_UPPER),
+    ),
+    (("びっくり", "fcleyespread", "fcleyesurprised"), _both("eyeWide", *_UPPER)),
+    (("じと目",), _both("eyeSquint", *_UPPER)),
+    (("ぺろっ",), _one("tongueOut")),
+    (("lookup", "eyeslookup"), _both("eyeLookUp")),
+    (("lookdown", "eyeslookdown"), _both("eyeLookDown")),
     (("lookleft",), (("eyeLookOutLeft", Half.LEFT), ("eyeLookInRight", Half.RIGHT))),
     (("lookright",), (("eyeLookInLeft", Half.LEFT), ("eyeLookOutRight", Half.RIGHT))),
 )
+# Shapes that move both sides, by key: the common name of the two channels. Those that are also in
+# the table above are used last, and are reported there.
+_BOTH_SIDES = {s.lower(): s for s in _TWO_SIDED} | {
+    key: stem
+    for key, stem in OTHER_STEMS.items()
+    if not any(key in synonyms for synonyms, _ in _ROUGH)
+}
 # Presets without a channel, which are not reported as unused.
 _WITHOUT_CHANNEL = frozenset(("neutral", "basis", "default", "visemesil", "vrcvsil"))
 
 
-def match_channels(names: Iterable[str]) -> Match:
+def match_channels(names: Iterable[str], meshes: Mapping[str, str] | None = None) -> Match:
     """Match names to the ARKit channels.
 
     Args:
         names: the names of shapes; repeats count once.
+        meshes: the name of the mesh that has each shape, which some names begin or end with.
 
     Returns:
         The match; every name is in exactly one of `matched`, `alike` and `unknown`.
@@ -209,6 +264,10 @@ def match_channels(names: Iterable[str]) -> Match:
     words = {name: _without(each[::-1], tail)[::-1] for name, each in words.items()}
     common = _common_words(list(words.values()))
     keys = {name: _keys(_without(each, common)) for name, each in words.items()}
+    for name, mesh in (meshes or {}).items():
+        bare = _without_mesh(words_of(name), words_of(mesh))
+        if bare and canonical_channel(name) is None and _exact(keys[name]) is None:
+            keys[name] = _keys(bare)
     shares: dict[str, list[Share]] = {}
     alike: dict[str, list[str]] = {}
     first: dict[tuple[str, str], str] = {}  # the name used for a channel and key
@@ -229,12 +288,17 @@ def match_channels(names: Iterable[str]) -> Match:
         else:
             shares.setdefault(channel, []).append(Share(name))
             first[found] = name
-    for channel in _HALVES:
-        whole = first.get((channel, ""))
-        if whole is not None and len(shares[channel]) > 1:  # its halves would double it
+    for channel, whole in [(c, name) for (c, part), name in first.items() if not part]:
+        if len(shares[channel]) > 1:  # its parts would double it
             rest += [share.name for share in shares[channel] if share.name != whole]
             shares[channel] = [Share(whole)]
-    rest, lost = _rough(_two_sided(rest, keys, shares), keys, shares)
+    once: dict[Sequence[str], list[str]] = {}  # shapes of several meshes, by their keys
+    for name in rest:
+        once.setdefault(keys[name], []).append(name)
+    singles = [same[0] for same in once.values()]
+    left, lost = _rough(_two_sided(singles, keys, shares), keys, shares)
+    rest = [name for same in once.values() if same[0] in left for name in same]
+    alike |= {same[0]: same[1:] for same in once.values() if same[0] not in left and same[1:]}
     order = {name: i for i, name in enumerate(given)}
     return Match(
         {channel: tuple(shares[channel]) for channel in ARKIT_CHANNELS if channel in shares},
@@ -245,20 +309,13 @@ def match_channels(names: Iterable[str]) -> Match:
 
 
 def _exact(keys: Sequence[str]) -> tuple[str, str] | None:
-    """The channel that a key names, and its side if it is one side only."""
+    """The channel that a key names, and which part of it the shape is; "" is all of it."""
     for key in keys:
         if key in _CHANNELS:
             return _CHANNELS[key], ""
         if key in OTHER_NAMES:
-            channel, is_half = OTHER_NAMES[key]
-            return channel, _part(key) if is_half else ""
+            return OTHER_NAMES[key]
     return None
-
-
-def _part(key: str) -> str:
-    """Which half or quarter of a channel a shape is."""
-    height = _QUARTER.search(key)
-    return (height[1] if height else "") + ("left" if key.endswith("left") else "right")
 
 
 def _two_sided(
@@ -267,7 +324,7 @@ def _two_sided(
     """Split shapes that move both sides, such as `eyeBlink`; returns the remaining names."""
     rest = []
     for name in names:
-        stem = next((s for s in _TWO_SIDED if s.lower() in keys[name]), None)
+        stem = next((_BOTH_SIDES[key] for key in keys[name] if key in _BOTH_SIDES), None)
         free = [c for c in (f"{stem}Left", f"{stem}Right") if stem and c not in shares]
         for channel in free:
             half = Half.LEFT if channel.endswith("Left") else Half.RIGHT
@@ -318,6 +375,16 @@ def _common_words(all_words: Sequence[Sequence[str]]) -> tuple[str, ...]:
         common.append(word)
         rest = [words[1:] for words in rest if words[0] == word and len(words) > 2]
     return tuple(common)
+
+
+def _without_mesh(words: Sequence[str], mesh: Sequence[str]) -> Sequence[str]:
+    """Words without those of the mesh at either end; () if it has none of them there."""
+    count = len(mesh)
+    if not 0 < count < len(words):
+        return ()
+    if list(words[:count]) == list(mesh):
+        return words[count:]
+    return words[:-count] if list(words[-count:]) == list(mesh) else ()
 
 
 def _without(words: Sequence[str], common: Sequence[str]) -> Sequence[str]:

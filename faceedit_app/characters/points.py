@@ -30,6 +30,9 @@ MAIN_POINTS: tuple[str, ...] = tuple(
 # Channels that part the lips; the first that does is used.
 _OPENERS = ("jawOpen", "mouthFunnel", "mouthUpperUpLeft")
 _PARTED = 3.0  # mm
+_MIDLINE, _WIDEST = 1.5, 9.0  # mm to either side of the midline where lips are looked for
+_TOUCHING = 2.5  # mm; inner lips that rest farther apart are looked for beside the midline, too
+_ACROSS = (1.5, 4.0)  # mm beyond the middle where the rim of the mouth may run
 
 
 def find_points(face: Face) -> tuple[Points, list[str]]:
@@ -75,17 +78,35 @@ def _lips(face: Face, opened: Doubles) -> Points:
     """Inner and outer lips on the midline."""
     places = face.places
     middle = np.zeros(0, np.intp)
-    tolerance = 1.5
+    tolerance, best = _MIDLINE, -np.inf
     below = np.where(face.skin & (places[:, 1] < -20), face.lips, 0.0)
-    while len(middle) < 8 and tolerance < 9:
+    inner: tuple[int, int] | None = None
+    while tolerance < _WIDEST and (inner is None or _apart(places, *inner) > _TOUCHING):
         # Compared on the midline: the corners move much more if there are few shapes.
         near = np.where(np.abs(places[:, 0] - face.middle) < tolerance, below, 0.0)
-        middle = np.flatnonzero((near > 0.5 * near.max()) & (near > 0.0))
+        strip = np.flatnonzero((near > 0.5 * near.max()) & (near > 0.0))
         tolerance *= 1.3
-    if len(middle) < 4:
+        if len(strip) < (8 if tolerance < _WIDEST else 4):
+            continue
+        pair, score = _inner_lips(face, opened, strip)
+        if score > best:  # a crooked mouth has its nearest pair farther from the midline
+            inner, best, middle = pair, score, strip
+    if inner is None:
         raise NotFound("the lips cannot be found on the midline")
-    drop = opened[middle, 1]
-    upper, lower = middle[drop > 0.35 * drop.min()], middle[drop < 0.65 * drop.min()]
+    points = dict(zip(("inner_upper_lip", "inner_lower_lip"), inner, strict=True))
+    # No shape shows the border of the red: use the most forward vertex of each lip.
+    for name, number, sign in (("upper_lip", inner[0], 1.0), ("lower_lip", inner[1], -1.0)):
+        above = sign * (places[middle, 1] - places[number, 1])
+        near_it = middle[(above > -0.5) & (above < 12)]
+        points[name] = int(near_it[places[near_it, 2].argmax()])
+    return points
+
+
+def _inner_lips(face: Face, opened: Doubles, strip: Indices) -> tuple[tuple[int, int], float]:
+    """The vertices of a strip at the midline that are together until the mouth opens; a score."""
+    places = face.places
+    drop = opened[strip, 1]
+    upper, lower = strip[drop > 0.35 * drop.min()], strip[drop < 0.65 * drop.min()]
     if not len(upper) or not len(lower):
         raise NotFound("no shape parts the lips (jawOpen)")
     moved = places + opened
@@ -95,32 +116,29 @@ def _lips(face: Face, opened: Doubles) -> Points:
     aside = np.abs(places[upper, 0] - face.middle)[:, None] + np.abs(places[lower, 0] - face.middle)
     score = (parted - at_rest) - 3 * at_rest + 0.5 * forward - 0.25 * aside
     i, k = np.unravel_index(score.argmax(), score.shape)
-    points = {"inner_upper_lip": int(upper[i]), "inner_lower_lip": int(lower[k])}
-    # No shape shows the border of the red: use the most forward vertex of each lip.
-    for name, inner, sign in (
-        ("upper_lip", points["inner_upper_lip"], 1.0),
-        ("lower_lip", points["inner_lower_lip"], -1.0),
-    ):
-        above = sign * (places[middle, 1] - places[inner, 1])
-        near = middle[(above > -0.5) & (above < 12)]
-        points[name] = int(near[places[near, 2].argmax()])
-    return points
+    return (int(upper[i]), int(lower[k])), float(score[i, k])
+
+
+def _apart(places: Doubles, one: int, other: int) -> float:
+    return float(np.linalg.norm(places[one] - places[other]))
 
 
 def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
     """The vertex where the way around the mouth is farthest out on one side."""
     places = face.places
     start, end = points["inner_upper_lip"], points["inner_lower_lip"]
-    near = (
+    close = (
         face.skin
-        & (sign * (places[:, 0] - places[start, 0]) > -1.5)
         & (places[:, 2] > places[start, 2] - 45)
         & (np.abs(places[:, 1] - places[start, 1]) < 25)
     )
-    way = face.way(near, start, end, opened)
-    if way is None:
-        raise NotFound("the lips are not joined at the mouth corners")
-    return way[int((sign * places[way, 0]).argmax())]
+    for across in _ACROSS:  # a crooked mouth crosses the midline beside its own middle
+        way = face.way(
+            close & (sign * (places[:, 0] - places[start, 0]) > -across), start, end, opened
+        )
+        if way is not None:
+            return way[int((sign * places[way, 0]).argmax())]
+    raise NotFound("the lips are not joined at the mouth corners")
 
 
 def _lids(face: Face, side: str) -> Points:

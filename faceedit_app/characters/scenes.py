@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from faceedit_app.characters.fbx_animated import scene_fbx
 from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.glb_animated import animate_glb, is_glb, scene_glb
+from faceedit_app.characters.glb_gaze import eye_turns
 from faceedit_app.characters.glb_turning import HeadTurns
 from faceedit_app.characters.scene import Scene, make_scene, shape_weights
 from faceedit_app.characters.usd_animated import scene_usda, scene_usdz
@@ -122,6 +123,6 @@ def scene_content(
         turns = None
         if follows_head and clip.rotations is not None:
             turns = HeadTurns.of(character.frame, character.rig, clip.rotations)
-        alike = character.match.alike
-        return animate_glb(path, weights, alike, clip.times, name, compact, turns)
+        alike, eyes = character.match.alike, eye_turns(character, clip)
+        return animate_glb(path, weights, alike, clip.times, name, compact, turns, eyes)
     return form.write(make_scene(character.rig, clip, shares, follows_head), name, compact)

@@ -206,3 +206,106 @@ def test_one_whole_shape_is_used_instead_of_its_quarters() -> None:
 def test_a_word_that_all_names_end_with_says_nothing(ending: str) -> None:
     match = match_channels([f"{channel}{ending}" for channel in ARKIT_CHANNELS])
     assert tuple(match.matched) == ARKIT_CHANNELS
+
+
+# By maker: a channel, and all the shapes that make it.
+MAKERS: dict[str, dict[str, str]] = {
+    "MetaHuman": {
+        "eyeLookOutLeft": "CTRL_expressions_eyeLookLeftL",
+        "eyeLookInRight": "CTRL_expressions_eyeLookLeftR",
+        "eyeSquintLeft": "CTRL_expressions_eyeSquintInnerL",
+        "cheekSquintRight": "CTRL_expressions_eyeCheekRaiseR",
+        "mouthSmileLeft": "CTRL_expressions_mouthCornerPullL",
+        "mouthFrownRight": "CTRL_expressions_mouthCornerDepressR",
+        "mouthUpperUpLeft": "CTRL_expressions_mouthUpperLipRaiseL",
+        "mouthPressLeft": "CTRL_expressions_mouthPressUL CTRL_expressions_mouthPressDL",
+        "mouthPucker": "CTRL_expressions_mouthLipsPurseUL CTRL_expressions_mouthLipsPurseUR "
+        "CTRL_expressions_mouthLipsPurseDL CTRL_expressions_mouthLipsPurseDR",
+        "mouthClose": "CTRL_expressions_mouthLipsTogetherUL CTRL_expressions_mouthLipsTogetherDR",
+        "mouthRollLower": "CTRL_expressions_mouthLowerLipRollInL "
+        "CTRL_expressions_mouthLowerLipRollInR",
+        "mouthShrugLower": "CTRL_expressions_jawChinRaiseDL CTRL_expressions_jawChinRaiseDR",
+        "browInnerUp": "CTRL_expressions_browRaiseInL CTRL_expressions_browRaiseInR",
+    },
+    "a mesh of MetaHuman": {
+        "eyeBlinkLeft": "head_lod0_mesh__eye_blink_L",
+        "eyeLookInLeft": "head_lod0_mesh__eye_lookRight_L",
+        "mouthSmileRight": "head_lod0_mesh__mouth_cornerPull_R",
+    },
+    "Rocketbox": {
+        "jawOpen": "AU_26_JawDrop",
+        "mouthSmileLeft": "AU_12_LipCornerPuller_L",
+        "mouthSmileRight": "AU_12_LipCornerPuller_Right",
+        "browInnerUp": "AU_01_InnerBrowRaiser_L AU_01_InnerBrowRaiser_R",
+        "mouthUpperUpRight": "AU_10_UpperLipRaiser_R",
+    },
+    "FACS": {
+        "jawOpen": "AU26",
+        "eyeBlinkLeft": "AU45_L",
+        "eyeBlinkRight": "head.AU45R",
+        "mouthFunnel": "AU_022",
+    },
+    "Meta": {
+        "eyeBlinkLeft": "eyesClosedL",
+        "eyeLookOutRight": "eyesLookRightR",
+        "jawLeft": "jawSidewaysLeft",
+        "mouthFunnel": "lipFunnelerLB lipFunnelerLT lipFunnelerRB lipFunnelerRT",
+        "mouthRollLower": "lipSuckLB lipSuckRB",
+        "mouthRollUpper": "lipSuckLT lipSuckRT",
+        "mouthClose": "lipsToward",
+    },
+    "Daz": {
+        "eyeBlinkLeft": "head__facs_jnt_EyeBlinkLeft",
+        "mouthPucker": "head__facs_bs_MouthPucker_div2",
+        "mouthClose": "Genesis9_facs_bs_MouthCloseUpper Genesis9_facs_bs_MouthCloseLower",
+        "browOuterUpLeft": "Genesis8Female__eCTRLBrowOuterUp-DownL",
+    },
+    "VRChat": {
+        "mouthRollLower": "LipSuckLowerLeft LipSuckLowerRight",
+        "mouthShrugUpper": "MouthRaiserUpper",
+        "eyeLookDownLeft": "Eye_Left_Down",
+        "eyeLookInRight": "Eye_Right_Left",
+        "mouthFrownLeft": "Mouth_Sad_Left",
+    },
+}
+
+
+@pytest.mark.parametrize("maker", MAKERS)
+def test_shapes_that_makers_call_by_other_names(maker: str) -> None:
+    wanted = {channel: tuple(names.split()) for channel, names in MAKERS[maker].items()}
+    match = match_channels([name for names in wanted.values() for name in names])
+    assert match.matched == {channel: wanted[channel] for channel in match.matched}
+    assert set(match.matched) == set(wanted)
+    assert match.unknown == match.lost == ()
+
+
+def test_a_unit_of_facs_that_moves_both_sides_is_cut_in_two() -> None:
+    match = match_channels(["AU12", "AU_27_MouthStretch"])
+    assert [share.half for share in match.shares["mouthSmileRight"]] == [Half.RIGHT]
+    assert match.matched["jawOpen"] == ("AU_27_MouthStretch",)
+    assert "mouthStretchLeft" in match.missing
+
+
+def test_mikumikudance_laughs_with_its_eyes() -> None:
+    """笑い shuts the eyes, and びっくり opens them; half-width kana are the same words."""
+    match = match_channels(["笑い", "ﾋﾞｯｸﾘ", "びっくり", "口角上げ", "口角下げ", "ｳｨﾝｸ２右"])
+    assert match.matched["eyeBlinkLeft"] == ("笑い",)
+    assert match.matched["eyeWideLeft"] == ("びっくり",)
+    assert match.matched["mouthSmileLeft"] == ("口角上げ",)
+    assert match.matched["mouthFrownRight"] == ("口角下げ",)
+    assert match_channels(["ｳｨﾝｸ２右"]).matched == {"eyeBlinkRight": ("ｳｨﾝｸ２右",)}
+
+
+@pytest.mark.parametrize("form", ["{mesh}_{name}", "{name}_{mesh}", "{mesh}.{name}"])
+def test_shapes_of_several_meshes_may_have_their_names(form: str) -> None:
+    """Also those that stand for two channels: lashes blink with the lids."""
+    meshes = {
+        form.format(mesh=mesh, name=name): mesh
+        for mesh in ("Face", "Upper_Lashes")
+        for name in ("jawOpen", "mouthSmileLeft", "Blink", "x")
+    }
+    match = match_channels(meshes, meshes)
+    assert set(match.matched) == {"jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "eyeBlinkRight"}
+    for shape in {name for names in match.matched.values() for name in names}:
+        (other,) = match.alike[shape]
+        assert {meshes[shape], meshes[other]} == {"Face", "Upper_Lashes"}

@@ -7,13 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.character_files import FLOAT, Glb, small_glb, write_glb, write_objs
+from scipy.spatial.transform import Rotation
+from support.character_files import FLOAT, SHORT, UNSIGNED, Glb, small_glb, write_glb, write_objs
 from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
-from support.heads import JAW, small_head
+from support.heads import JAW, MOUTH, small_head
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.characters.map_file import map_path, write_map
 from faceedit_app.characters.registry import read_character
+from faceedit_app.characters.scene import shape_weights
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
 
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
 
@@ -149,3 +154,112 @@ def test_a_damaged_shape_is_left_out_and_said(tmp_path: Path, content: bytes) ->
 
 def test_a_version_at_the_end_of_a_name_does_not_hide_it(tmp_path: Path) -> None:
     assert_whole(open_character(write_glb(tmp_path / "head.glb", lambda n: f"ARKit.{n}.v2")))
+
+
+@pytest.mark.parametrize("nods", [-40.0, -30.0, 0.0, 30.0, 45.0])
+@pytest.mark.parametrize("turned", ["xy", "xyz"])
+def test_a_head_that_nods_in_its_file_is_shown_upright(
+    tmp_path: Path, nods: float, turned: str
+) -> None:
+    turn = Rotation.from_euler(turned, [nods, 25.0, -15.0][: len(turned)], degrees=True)
+    out = small_glb()
+    out.json["nodes"][0]["rotation"] = turn.as_quat().tolist()
+    fitted = saved(out, tmp_path)
+    assert fitted.checklist.doubts == ()
+    up = turn.apply([0.0, 1.0, 0.0])
+    assert np.degrees(np.arccos(fitted.frame.axes[1] @ up)) < 12
+    assert fitted.frame.axes[2] @ turn.apply([0.0, 0.0, 1.0]) > 0
+
+
+def test_shapes_for_weights_up_to_a_hundred_are_shown_and_exported_so(tmp_path: Path) -> None:
+    out = small_glb()
+    primitive = out.json["meshes"][0]["primitives"][0]
+    moves = small_head().targets.values()
+    primitive["targets"] = [{"POSITION": out.accessor(m / 1e5, FLOAT)} for m in moves]
+    fitted = saved(out, tmp_path)
+    assert_moves(fitted)
+    assert "weight of 100" in fitted.checklist.remarks[0]
+    clip = Clip(np.array([[0.0], [0.5]], np.float32), ("jawOpen",), np.arange(2) / 25, 25.0)
+    assert shape_weights(clip, fitted.shares, fitted.rig.levels)["jawOpen"].max() == 50
+    write_map(map_path(tmp_path / "head.glb"), fitted.whole_map)
+    assert_moves(open_character(tmp_path / "head.glb"))
+
+
+def assert_moves(fitted: FittedCharacter) -> None:
+    assert fitted.checklist.dead == fitted.checklist.doubts == ()
+    jaw = fitted.rig.deltas[fitted.rig.channels.index("jawOpen")][:, 1]
+    assert 1000 * jaw.min() == pytest.approx(-JAW, abs=0.1)
+
+
+@pytest.mark.parametrize("bits", [12, 14])
+def test_parts_that_are_rounded_to_grids_of_their_own_are_still_one_skin(
+    tmp_path: Path, bits: int
+) -> None:
+    """The lips are a part of their own, as those of many heads are."""
+    head, out = small_head(), Glb()
+    middles = head.vertices[head.faces].mean(axis=1)
+    is_mouth = np.hypot(middles[:, 0], middles[:, 1] - MOUTH) < 30
+    for name, faces in (("Face", head.faces[~is_mouth]), ("Lips", head.faces[is_mouth])):
+        rows = np.unique(faces)
+        places = head.vertices[rows] / 1000
+        middle = (places.min(axis=0) + places.max(axis=0)) / 2
+        step = max(np.abs(places - middle).max(), JAW / 1000) / 2 ** (bits - 1)
+
+        def rounded(array: np.ndarray, step: float = step) -> int:
+            return out.accessor(np.round(array / step), SHORT)
+
+        targets = [{"POSITION": rounded(m[rows] / 1000)} for m in head.targets.values()]
+        corners = out.accessor(np.searchsorted(rows, faces).ravel(), UNSIGNED)
+        position = {"POSITION": rounded(places - middle)}
+        primitive = {"attributes": position, "targets": targets, "indices": corners}
+        node = {"translation": middle.tolist(), "scale": [step] * 3}
+        out.mesh([primitive], list(head.targets), name=name, **node)
+    fitted, whole = saved(out, tmp_path), saved(small_glb(), tmp_path)
+    assert fitted.checklist.doubts == ()
+    for point in ("inner_upper_lip", "inner_lower_lip", "left_mouth_corner", "right_mouth_corner"):
+        place = whole.rig.neutral[whole.points[point]]
+        assert np.allclose(fitted.rig.neutral[fitted.points[point]], place, atol=5e-4), point
+
+
+FEW = ("jawOpen", "eyeBlinkLeft", "eyeBlinkRight")
+
+
+def test_jaw_and_blinks_are_enough_to_find_the_mouth(tmp_path: Path) -> None:
+    """No shape moves the lips alone: they are where the skin goes down with the jaw."""
+    few = open_character(write_glb(tmp_path / "few.glb", lambda n: n if n in FEW else None))
+    whole = open_character(write_glb(tmp_path / "head.glb"))
+    assert few.checklist.doubts == few.checklist.dead == ()
+    for point in ("inner_upper_lip", "inner_lower_lip", "left_mouth_corner", "right_mouth_corner"):
+        place = whole.rig.neutral[whole.points[point]]
+        assert np.linalg.norm(few.rig.neutral[few.points[point]] - place) < 0.0035, point
+
+
+@pytest.mark.parametrize("degrees", [-25.0, 25.0])
+def test_a_crooked_mouth_has_its_lips_and_corners(tmp_path: Path, degrees: float) -> None:
+    head, out = small_head(), small_glb()
+    middle = np.array([6.0, MOUTH, 0.0])
+    near = np.exp(-np.square((head.vertices - [0.0, MOUTH, 0.0]) / [45, 30, 1e9]).sum(axis=1))
+    turn = Rotation.from_euler("z", degrees, degrees=True)
+    turned = turn.apply(head.vertices - [0.0, MOUTH, 0.0]) + middle
+    places = head.vertices + near[:, None] * (turned - head.vertices)
+    attributes = out.json["meshes"][0]["primitives"][0]["attributes"]
+    attributes["POSITION"] = out.accessor(places / 1000, FLOAT)
+    fitted = saved(out, tmp_path)
+    assert fitted.checklist.doubts == ()
+    corners = [fitted.points[f"{side}_mouth_corner"] for side in ("left", "right")]
+    across = np.subtract(*fitted.rig.neutral[corners])
+    assert 0.035 < np.linalg.norm(across) < 0.06
+    assert np.sign(across[1]) == np.sign(degrees)
+    lips = [fitted.points[f"inner_{lip}_lip"] for lip in ("upper", "lower")]
+    assert np.linalg.norm(np.subtract(*fitted.rig.neutral[lips])) < 0.002
+
+
+def test_shapes_that_are_too_few_are_named(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "head.glb", lambda n: n if n in FEW[:2] else f"x {n[::-1]}")
+    with pytest.raises(FileError, match=r"only 2 .*\(eyeBlinkLeft, jawOpen\), and 3 are needed"):
+        open_character(path)
+
+
+def test_what_needs_the_jaw_is_not_doubted_without_it(tmp_path: Path) -> None:
+    path = write_glb(tmp_path / "head.glb", lambda n: None if n == "jawOpen" else n)
+    assert "jaw" not in " ".join(open_character(path).checklist.doubts)

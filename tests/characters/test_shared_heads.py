@@ -78,8 +78,13 @@ def test_shut_lips_and_lids_are_within_half_a_millimetre(
     assert after.lips_open_share < 0.002
     assert after.lids_open_share < 0.002
     assert min(after.lips_within_share, after.lids_within_share) >= 0.95
+    # Lips are not brought together one behind the other, as they were in most of this take.
+    one = open_take(clips / "alexdjulin__S88-001_seg0.csv").clip.arkit_weights()
+    alone = closure(closing.ours.measure(one), closing.theirs.measure(closing(one)))
+    assert alone.lips_within_share >= 0.95
     heights = [-Gaps.of(fitted.rig).distances.vectors(w)[..., 1] for w in (weights, closed)]
-    assert (heights[1] > np.minimum(heights[0], 0.0) - 0.35).all()
+    deepest = np.array([0.05, 0.35, 0.35])  # mm that lips, and the lids of either eye, may overlap
+    assert (heights[1] > np.minimum(heights[0], 0.0) - deepest).all()
 
 
 def test_our_own_points_are_found_again() -> None:

@@ -17,7 +17,7 @@ from support.faces import shipped_rig, talking_clip
 from support.gltf import has_validator, validator_errors
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
-from faceedit_app.characters.gltf import node_places, own_place
+from faceedit_app.characters.gltf_nodes import node_places, own_place
 from faceedit_app.characters.scenes import SCENES, scene_content
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip

@@ -210,3 +210,18 @@ def test_words_follow_the_face_if_there_is_no_sound_that_says_them(has_sound: bo
         session.put([retime.cut(session.take.clip, (3.0, 3.37))])
         assert session.words is not None
         assert session.words.text == "boom"
+
+
+def test_a_neutral_rest_behind_edits_of_its_channels_follows_them() -> None:
+    """Where it acts on the take, it moves with the take's content by itself."""
+    scaled = Edit((), Op.SCALE, 3.0, 4.0, 0.1, 1.5, channels=("jawOpen",))
+    rest = Edit((), Op.NEUTRAL, 3.0, 4.0, 0.1, channels=("jawOpen",), amounts=((0.05, 0.6),))
+    session = session_by_rig(clip_of())
+    for edit in (rest, scaled, rest, STRETCH):
+        session.add(edit)
+    first, channel, second, _ = session.edits
+    assert first == rest
+    assert (channel.start, channel.end) == (2.5, 4.5)
+    assert second.span == channel.span
+    session.remove(3)
+    assert [(e.start, e.end) for e in session.edits] == [(3.0, 4.0)] * 3

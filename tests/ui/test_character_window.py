@@ -13,8 +13,12 @@ from support.character_files import write_glb, write_objs
 from support.waiting import wait_for_background
 from support.windows import Bench, add_edit, drop, editor_of, session_of, trigger
 
+from faceedit_app.characters.fitted import fit
 from faceedit_app.characters.map_file import map_path
+from faceedit_app.characters.registry import read_character
+from faceedit_app.characters.scenes import SCENES, scene_content
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.clip import Clip
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.character.points_overlay import PointsOverlay
 from faceedit_app.ui.character.shape_table import LIMIT, MULTIPLIER, NO_SHAPE, SHAPE
@@ -265,3 +269,29 @@ def test_recent_characters_are_listed(
     menu = window.actions_.submenu("recent_characters")
     menu.aboutToShow.emit()
     assert [action.text() for action in menu.actions()] == ["head.glb"]
+
+
+def test_a_head_without_an_animation_is_opened_as_the_character(bench: Bench, head: Path) -> None:
+    window = bench.editing()
+    take = session_of(window).take
+    window.commands.file.open(head)
+    bench.qtbot.waitUntil(lambda: window.document.character is not None)
+    assert session_of(window).take is take
+
+
+def test_the_face_of_a_take_can_be_shown_as_the_character(
+    bench: Bench, head: Path, tmp_path: Path
+) -> None:
+    clip = Clip(np.full((30, 1), 0.2, np.float32), ("jawOpen",), np.arange(30) / 30, 30.0)
+    animated = tmp_path / "animated.glb"
+    animated.write_bytes(scene_content(SCENES[0], clip, fit(read_character(head)), "take"))
+    window = bench.editing()
+    window.commands.file.open(animated)
+    bench.qtbot.waitUntil(lambda: session_of(window).take.path == animated)
+    banner = window.banner
+    assert "It also has a face" in banner.text.text()
+    assert window.document.character is None
+    banner.button.click()
+    bench.qtbot.waitUntil(lambda: window.document.character is not None)
+    assert session_of(window).shown_rig.name == "animated"
+    assert "It also has a face" not in banner.text.text()

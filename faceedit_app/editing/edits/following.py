@@ -2,7 +2,8 @@
 
 A retime moves the take's content in time. What was edited there moves along, and back when the
 retime is switched off or deleted; edits below it in the list were made on the retimed take, and
-stay. Fills, resets and other retimes stay too: they act before all others, in their own order.
+stay. Fills, resets, other retimes, and neutral rests of the take stay too: they act before all
+others, in their own order.
 """
 
 from __future__ import annotations
@@ -16,10 +17,12 @@ import numpy as np
 
 from faceedit_app.core.arrays import Times
 from faceedit_app.editing.edits.clock import Clock, clock_of
+from faceedit_app.editing.edits.dividing import are_late
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.words.transcript import Transcript
 
 _SAME = 1e-6  # seconds
+_STAY = (*OF_THE_TAKE, Op.RESET)
 
 
 def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]:
@@ -34,10 +37,12 @@ def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]
     for place, old, new in _changes(before, after):
         kept = kept or Counter(before) & Counter(after)
         left = kept.copy()
+        late = are_late(after)
         for i, edit in enumerate(after[:place]):
             if left[edit] > 0:
                 left[edit] -= 1
-                found[i] = _moved(found[i], _clock(old), _clock(new))
+                if late[i] or edit.op not in _STAY:
+                    found[i] = _moved(found[i], _clock(old), _clock(new))
     return tuple(found)
 
 
@@ -90,7 +95,7 @@ def _times(old: Times, before: Clock | None, after: Clock | None) -> Times:
 
 def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
     """An edit on the same moments of the take; one whose moments are cut is switched off."""
-    if edit.op in (*OF_THE_TAKE, Op.RESET) or before is after:
+    if before is after:
         return edit
     first, last = edit.span
     old = np.array([first, edit.start, edit.end, last, *(time for time, _ in edit.points)])

@@ -9,9 +9,9 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.levels import UNCHANGED, Level
+from faceedit_app.editing.edits.dividing import divided, is_behind
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.neutral import divided, is_behind
 
 # The rest of a whole take, and the least that is taken away: less is a tracker's noise.
 _REST_PERCENTILE, _LEAST = 5.0, 0.01

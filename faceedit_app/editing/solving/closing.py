@@ -27,7 +27,7 @@ from faceedit_app.editing.solving.reach import Goal, Reach
 
 # Height of the gap that is left, mm: lips keep clear of each other, lids just meet.
 _LEFT = np.where(ARE_LIPS, 0.1, -0.1)
-_OF_OURS = np.where(ARE_LIPS, 0.1, 0.0)  # plus this share of the gap on ours
+_OF_OURS = np.where(ARE_LIPS, 0.06, 0.0)  # plus this share of the gap on ours
 # Lips that meet may differ in depth by this much more than at rest, mm; the goal for depth has
 # this share of the precision of the goal for height.
 _IN_FRONT, _DEPTH = 0.1, 0.6
@@ -169,7 +169,10 @@ class _Part:
         """
         shown = self._levels.applied(weights)
         heights, depths = self._heights.signed(shown), self._depths.measure(shown)
-        asked = np.hstack((heights - goal > _NEEDED, depths - goal_depth > _NEEDED))
+        high, deep = heights - goal > _NEEDED, depths - goal_depth > _NEEDED
+        # What brings lips together must not part them in depth, and the other way round.
+        high[:, self._lips] |= deep
+        asked = np.hstack((high, high[:, self._lips]))
         where = np.flatnonzero(asked.any(axis=1))
         if not len(where):
             return

@@ -1,38 +1,13 @@
-"""Take a rest pose away from weights, and keep lips together that weights would tear.
-
-A neutral rest belongs to the take: curves start from the take without it, wherever it stands in the
-list of edits. Only behind other edits of its channels does it act in its place among these.
-"""
+"""Take a rest pose away from weights, and keep lips together that weights would tear."""
 
 from __future__ import annotations
-
-from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.editing.edits.edit import Edit, Op
 
 _JAW, _CLOSE = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]
-
-
-def divided(edits: Sequence[Edit]) -> tuple[list[Edit], list[Edit]]:
-    """The edits that act on the take and its curves, and those that act on channels afterwards."""
-    first: list[Edit] = []
-    then: list[Edit] = []
-    for edit in edits:
-        is_late = bool(edit.channels) and edit.op is not Op.NEUTRAL
-        is_late |= edit.op is Op.NEUTRAL and is_behind(edit.channels, then)
-        (then if is_late else first).append(edit)
-    return first, then
-
-
-def is_behind(channels: Collection[str], edits: Sequence[Edit]) -> bool:
-    """Whether other edits of channels have changed some channels already."""
-    return any(
-        edit.effect is not None and not set(channels).isdisjoint(edit.channels) for edit in edits
-    )
 
 
 def without_rest(values: Doubles, rest: Doubles, peak: Doubles) -> Doubles:

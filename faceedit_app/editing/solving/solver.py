@@ -24,6 +24,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.regions import BROWS, JAW, REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.edits.dividing import divided
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
@@ -36,7 +37,6 @@ from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
-from faceedit_app.editing.solving.neutral import divided
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request

@@ -22,6 +22,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level
 from faceedit_app.ui.look.palette import MUTED, ORANGE
+from faceedit_app.ui.look.texts import plain_tip
 
 Index = QModelIndex | QPersistentModelIndex
 NO_SHAPE = "– no shape –"
@@ -103,7 +104,9 @@ class ShapeModel(QAbstractTableModel):
         if role == Qt.ItemDataRole.ToolTipRole:
             if column == NOTE:
                 return self._notes.get(channel)
-            return None if column != SHAPE else "Double-click to choose another shape"
+            shape = self._shapes.get(channel, NO_SHAPE)
+            tip = plain_tip(f"{shape}\nDouble-click to choose another shape")
+            return tip if column == SHAPE else None
         if role == Qt.ItemDataRole.ForegroundRole:
             if column == NOTE:
                 return QColor(ORANGE)
@@ -171,8 +174,8 @@ class ShapeTable(QTableView):
         head = self.horizontalHeader()
         head.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         head.setSectionResizeMode(CHANNEL, QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(NOTE, QHeaderView.ResizeMode.Stretch)
-        for column in (SHAPE, *_LEVELS):
+        head.setSectionResizeMode(SHAPE, QHeaderView.ResizeMode.Stretch)  # long names are cut
+        for column in (NOTE, *_LEVELS):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
         head.setMaximumSectionSize(_WIDEST)
         self.setAccessibleName("Channels and shapes")

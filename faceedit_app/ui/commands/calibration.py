@@ -39,21 +39,22 @@ class CalibrationCommands:
         else:
             self._workspace.add_edits((edit,), "This frame is neutral")
 
-    def offer_neutral(self) -> None:
-        """Offer a neutral rest for a take that plainly has none."""
+    def offer_neutral(self) -> bool:
+        """Offer a neutral rest for a take that plainly has none; whether it did."""
         from faceedit_app.editing.help.calibrating import NOT_NEUTRAL, neutral_rest
 
         session = self._document.session
         if session is None or session.edits:
-            return
+            return False
         edit = neutral_rest(session)
         if edit is None:
-            return
+            return False
         rests = dict(zip(edit.channels, edit.amounts, strict=True))
         found = [name for name, most in NOT_NEUTRAL.items() if rests.get(name, (0.0,))[0] > most]
         words = {_WORDS[part]: None for part in _WORDS for name in found if name.startswith(part)}
         text = OFFER.format(what=" and ".join(words))
         self._workspace.offer.emit(text, "Make the rest neutral", self.neutral_rest)
+        return True
 
     def neutral_rest(self) -> None:
         """Make the rest of the take neutral, if it is plainly not so."""

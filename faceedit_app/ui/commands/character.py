@@ -22,6 +22,15 @@ if TYPE_CHECKING:  # they import the loaders of characters
     from faceedit_app.ui.character.points_overlay import PointsOverlay
 
 
+# Of files that may hold a character as well as a take, in lower case.
+_ENDINGS = (".glb", ".gltf", ".vrm", ".fbx", ".obj")
+
+
+def may_hold_character(path: Path) -> bool:
+    """Whether a file may hold a character, by its name; cheap enough for every file."""
+    return path.suffix.lower() in _ENDINGS
+
+
 class CharacterCommands:
     """Opens characters, and keeps the checklist and the points on the face up to date."""
 
@@ -59,6 +68,12 @@ class CharacterCommands:
             dialogs.show_error(self._workspace.window, problem)
 
         self._workspace.open_character(path, failed, opened)
+
+    def offer(self, take: Path) -> None:
+        """Offer to show the face of a take's file, if it has one and ours is shown."""
+        if not self.is_shown and may_hold_character(take):
+            text = f"{take.name} was opened as a take. It also has a face."
+            self._workspace.offer.emit(text, "Show it as your character", lambda: self.open(take))
 
     def fill_recent(self, menu: QMenu) -> None:
         """List the characters that were opened recently and still exist."""

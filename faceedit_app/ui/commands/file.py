@@ -16,7 +16,7 @@ from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import is_film
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.commands.character import CharacterCommands
+from faceedit_app.ui.commands.character import CharacterCommands, may_hold_character
 from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
 from faceedit_app.ui.commands.webcam import WebcamRecording
@@ -74,11 +74,17 @@ class FileCommands:
     def open(self, path: Path) -> None:
         """Read a take or a project in the background; on an error the current one stays open.
 
-        The face in a film is tracked first.
+        The face in a film is tracked first. A character without an animation is shown.
         """
         if is_film(path):
             self.track(path)
             return
+        if may_hold_character(path) and path.is_file():
+            from faceedit_app.formats.registry import is_take  # not needed for other takes
+
+            if not is_take(path):
+                self.character.open(path)
+                return
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
             return

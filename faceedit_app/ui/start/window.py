@@ -279,7 +279,8 @@ class MainWindow(WindowBase):
             self._preferences.set_hints_seen()
             QTimer.singleShot(0, page.hints.begin)  # after the layout
         self.commands.take.follow(session.take, session.state.media)
-        self.commands.fix.calibration.offer_neutral()
+        if not self.commands.fix.calibration.offer_neutral():
+            self.commands.file.character.offer(session.take.path)
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem)
 
