@@ -140,22 +140,31 @@ def make(
         Optional[Path],  # noqa: UP045
         typer.Option(help="MediaPipe's face_landmarker.task, which finds the points by itself."),
     ] = None,
+    without: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(help="hair, brows or lashes: do not add FaceEdit's; repeatable."),
+    ] = None,
 ) -> None:
     """Make all 52 blendshapes for a head that has none, from FaceEdit's own character."""
     from faceedit_app.characters.glb_writing import write_rig
+    from faceedit_app.characters.leaving_out import PARTS, without_parts
     from faceedit_app.characters.making import Template
     from faceedit_app.characters.making import make as make_head
     from faceedit_app.characters.scans import read_scan
     from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.scans.landmarks import find_landmarks, read_points
 
+    left_out = without or []
+    for part in left_out:
+        if part not in PARTS:
+            raise FaceEditError(f"--without {part[:40]}: must be {', '.join(PARTS)}")
     template, head = Template.of(shipped_rig()), read_scan(scan)
     if points is not None:
         landmarks = template.landmarks(read_points(points))
     else:
         landmarks = find_landmarks(template, head, scan, landmarker)
     made = make_head(template, head, landmarks, output.stem)
-    write_rig(output, made.rig)
+    write_rig(output, without_parts(made.rig, left_out))
     middle, most = made.distance_to(head)
     for sentence in head.remarks:
         say(f"{scan}: {sentence}", to=sys.stderr)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import trimesh
 
+from faceedit_app.characters.leaving_out import without_parts
 from faceedit_app.characters.making import Made, Template, make
 from faceedit_app.characters.registration import Landmarks
 from faceedit_app.characters.scans import Scan, read_scan
@@ -52,6 +53,11 @@ class Attempt:
     def camera(self) -> Camera:
         """Sees the character from the front."""
         return default_camera(self.made.rig)
+
+    def without(self, parts: Collection[str]) -> Attempt:
+        """The same without hair, brows or lashes; see `leaving_out.PARTS`."""
+        rig = without_parts(self.made.rig, parts)
+        return replace(self, made=replace(self.made, rig=rig))
 
     def picture(self, size: int, expression: str | None) -> Pixels:
         """(size, size, 3) RGB of the character with an expression, or of the scan for None."""

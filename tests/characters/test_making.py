@@ -13,6 +13,7 @@ from support.faces import shipped_rig
 from faceedit_app.characters.closure import Gaps
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.glb_writing import write_rig
+from faceedit_app.characters.leaving_out import without_parts
 from faceedit_app.characters.making import Made, Template, make
 from faceedit_app.characters.registration import Landmarks
 from faceedit_app.characters.scans import Scan, read_scan
@@ -195,3 +196,20 @@ def test_what_is_no_scan_is_one_line(tmp_path: Path, name: str, content: bytes) 
     with pytest.raises(FileError) as caught:
         read_scan(tmp_path / name)
     assert "\n" not in str(caught.value)
+
+
+def test_hair_and_brows_can_be_left_out_of_a_head_that_has_its_own() -> None:
+    rig = shipped_rig()
+    bald = without_parts(rig, ("hair", "brows"))
+    assert [m.name for m in rig.materials if m.name not in ("hair", "brows")] == [
+        m.name for m in bald.materials
+    ]
+    assert len(bald.neutral) < len(rig.neutral)
+    for old, new in zip(rig.control_pairs.ravel(), bald.control_pairs.ravel(), strict=True):
+        assert (bald.neutral[new] == rig.neutral[old]).all()
+        assert (bald.deltas[:, new] == rig.deltas[:, old]).all()
+    before, after = (
+        {m.name: r.neutral[r.faces[m.start : m.stop]] for m in r.materials} for r in (rig, bald)
+    )
+    for name, places in after.items():
+        np.testing.assert_array_equal(places, before[name])

@@ -77,6 +77,12 @@ def test_a_scan_becomes_the_character_that_is_shown(
     moved = dialog.points.place("chin").y()
     assert stop.y() - 3 < moved < start.y() - 3, "it follows the hand as far as a face allows"
 
+    says = dialog.status.text()
+    dialog.parts["hair"].click()
+    assert not dialog.save.isEnabled()
+    bench.qtbot.waitUntil(dialog.save.isEnabled, timeout=60_000)
+    assert dialog.status.text() == says
+
     path = tmp_path / "made.glb"
     monkeypatch.setattr(dialogs, "ask_save_character", lambda *_: path)
     QTest.mouseClick(dialog.save, Qt.MouseButton.LeftButton)
@@ -84,6 +90,9 @@ def test_a_scan_becomes_the_character_that_is_shown(
     assert window.document.character is not None
     assert window.document.character.character.path == path
     assert len(window.document.character.match.matched) == 52
+    surfaces = [part.surface.name for part in window.document.character.character.parts]
+    assert "brows" in surfaces
+    assert "hair" not in surfaces
 
 
 def test_what_is_not_a_head_is_one_line_in_the_dialog(

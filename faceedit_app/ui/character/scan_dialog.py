@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
+    QCheckBox,
     QDialog,
     QDialogButtonBox,
     QGridLayout,
+    QHBoxLayout,
     QLabel,
     QProgressBar,
     QPushButton,
@@ -16,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.characters.leaving_out import PARTS
 from faceedit_app.core.arrays import Doubles, Pixels
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.rig import Rig
@@ -26,6 +30,7 @@ from faceedit_app.ui.look.widgets import Choice, caption
 from faceedit_app.ui.state.background import Background
 
 _Pictures = dict[str | None, Pixels]
+_Drawn = tuple[Attempt, _Pictures]
 
 
 class ScanDialog(QDialog):
@@ -46,8 +51,10 @@ class ScanDialog(QDialog):
         self._path, self._rig = path, rig
         self._background = Background(self)
         self._steps: ScanSteps | None = None
+        self._whole: Attempt | None = None  # with all parts
         self._attempt: Attempt | None = None
         self._pictures: _Pictures = {}
+        self._says = ""
         self._moved: dict[str, Doubles] = {}
         self._build()
 
@@ -59,6 +66,11 @@ class ScanDialog(QDialog):
         self.expression.addItems(list(EXPRESSIONS))
         self.expression.setAccessibleName("Expression")
         self.expression.currentTextChanged.connect(self._show_expression)
+        # Not added to a scan that has its own, as geometry or in its picture.
+        self.parts = {part: QCheckBox(f"FaceEdit's {part}") for part in PARTS}
+        for box in self.parts.values():
+            box.setChecked(True)
+            box.toggled.connect(self._redraw)
         self.status = QLabel()
         self.status.setTextFormat(Qt.TextFormat.PlainText)
         self.status.setWordWrap(True)
@@ -82,6 +94,11 @@ class ScanDialog(QDialog):
         column = QVBoxLayout(self)
         column.setSpacing(10)
         column.addLayout(grid)
+        row = QHBoxLayout()
+        row.addStretch()
+        for box in self.parts.values():
+            row.addWidget(box)
+        column.addLayout(row)
         column.addWidget(self.busy)
         column.addWidget(self.status)
         column.addWidget(buttons)
@@ -89,31 +106,53 @@ class ScanDialog(QDialog):
     def begin(self) -> None:
         """Make the character in the background, with the points as they are now."""
         self._work("Finding the face and fitting it: this takes about ten seconds…")
-        moved, side = dict(self._moved), self.scan.pixels
+        moved, draw = dict(self._moved), self._drawing()
 
-        def make() -> tuple[ScanSteps, Attempt, _Pictures]:
+        def make() -> tuple[ScanSteps, Attempt, _Drawn]:
             steps = self._steps or ScanSteps(self._path, self._rig)
             attempt = steps.attempt(moved)
-            pictures: _Pictures = {
-                name: attempt.picture(side, name) for name in (None, *EXPRESSIONS)
-            }
-            return steps, attempt, pictures
+            return steps, attempt, draw(attempt)
 
         self._background.run(make, self._made, self._failed)
 
-    def _made(self, result: tuple[ScanSteps, Attempt, _Pictures]) -> None:
-        self._steps, self._attempt, self._pictures = result
+    def _drawing(self) -> Callable[[Attempt], _Drawn]:
+        """Leaves out the parts that are not wanted now, and draws the rest."""
+        left_out = [part for part, box in self.parts.items() if not box.isChecked()]
+        side = self.scan.pixels
+
+        def draw(whole: Attempt) -> _Drawn:
+            attempt = whole.without(left_out)
+            return attempt, {name: attempt.picture(side, name) for name in (None, *EXPRESSIONS)}
+
+        return draw
+
+    def _redraw(self) -> None:
+        """Show the character with the parts that are wanted now."""
+        whole, draw = self._whole, self._drawing()
+        if whole is None:
+            return
+        self._work("Drawing…")
+        self._background.run(lambda: draw(whole), self._redrawn, self._failed)
+
+    def _redrawn(self, drawn: _Drawn) -> None:
+        self._attempt, self._pictures = drawn
+        self._show_expression(self.expression.currentText())
+        self._rest(self._says)
+
+    def _made(self, result: tuple[ScanSteps, Attempt, _Drawn]) -> None:
+        self._steps, self._whole, (self._attempt, self._pictures) = result
         attempt = self._attempt
         self.scan.look(attempt.scan.neutral, attempt.camera)
         self.scan.show_picture(self._pictures[None])
         self.points.show_points(attempt.points)
         self._show_expression(self.expression.currentText())
         middle, most = attempt.distance
-        self._rest(
+        self._says = (
             f"{attempt.landmarks} landmarks. The skin of the face is {middle:.2f} mm from the scan "
             f"(95 % within {most:.1f} mm)."
             + "".join(f" {text[:1].upper()}{text[1:]}." for text in self._steps.scan.remarks)
         )
+        self._rest(self._says)
 
     def _failed(self, error: Exception) -> None:
         if not isinstance(error, FaceEditError):
@@ -125,13 +164,14 @@ class ScanDialog(QDialog):
     def _work(self, text: str) -> None:
         self.status.setText(text)
         self.busy.show()
-        for part in (self.again, self.save, self.points):
+        for part in (self.again, self.save, self.points, *self.parts.values()):
             part.setEnabled(False)
 
     def _rest(self, text: str) -> None:
         self.status.setText(text)
         self.busy.hide()
-        self.points.setEnabled(True)
+        for part in (self.points, *self.parts.values()):
+            part.setEnabled(True)
         self.again.setEnabled(bool(self._moved) or self._attempt is None)
         self.save.setEnabled(self._attempt is not None)
 
