@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _WORD_TIERS = ("words", "word", "ort", "ort-mau", "orthography", "tokens")
 _PHONEME_TIERS = ("phones", "phone", "phonemes", "phoneme", "mau", "segments", "sounds")
 _SILENCE = ("", "sil", "sp", "spn", "<p:>", "<eps>", "_", "#", "<sil>", "silence")
+# What the library raises at a damaged file, such as at times of hundreds of digits.
+_OF_THE_LIBRARY = (ArithmeticError, AttributeError, LookupError, ValueError)
 _NAMES = 'name them "words" and "phones"'
 
 
@@ -59,7 +61,7 @@ def _grid(path: Path, text: str) -> Textgrid:
     except errors.TextgridStateError as error:
         problem = f"is damaged: {' '.join(str(error).split())[:160]}"
         raise FileError(path, problem, "correct it in Praat") from error
-    except (errors.PraatioException, ValueError, IndexError, KeyError, AttributeError) as error:
+    except (errors.PraatioException, *_OF_THE_LIBRARY) as error:
         raise FileError(path, "is not a TextGrid", "save it again from Praat") from error
 
 
