@@ -89,7 +89,7 @@ def test_autoencoder_starts_as_the_identity() -> None:
 def test_file_answers_as_torch_does(adapted: bool, activation: str) -> None:
     trained = random_trained(EYELIDS, seed=3)
     if adapted or activation != trained.networks.settings["activation"]:
-        networks = UNets(2, 6, (4, 6, 8), not adapted, adapted, activation).eval()
+        networks = UNets(2, 6, (4, 6), not adapted, adapted, activation).eval()
         described = {"name": networks.name, **networks.settings}
         trained = replace(
             trained,
@@ -194,11 +194,11 @@ def test_architecture_that_is_unknown_is_named(tmp_path: Path) -> None:
     "architecture",
     [
         {"name": "unet"},
-        {"name": "unet", "widths": [4, 6, 9], "residual": True, "adapted": False},
-        {"name": "unet", "widths": [4, 6, 8], "residual": True, "adapted": True},
+        {"name": "unet", "widths": [4, 9], "residual": True, "adapted": False},
+        {"name": "unet", "widths": [4, 6], "residual": True, "adapted": True},
         {"name": "unet", "widths": "abc"},
         {"name": "unet", "widths": [], "residual": True},
-        {"name": "unet", "widths": [4, 6, 8], "more": 1},
+        {"name": "unet", "widths": [4, 6], "more": 1},
         {"name": "holden", "hidden": 64},
     ],
 )

@@ -164,7 +164,7 @@ def test_wrong_usage_is_one_line_and_code_2(
 def test_ctrl_c_keeps_what_there_is_and_says_so(
     takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    small = {name: tiny(name, epochs_regressor=9) for name in recipes.RECIPES}
+    small = {name: tiny(name, widths=(4,), epochs_regressor=9) for name in recipes.RECIPES}
     monkeypatch.setattr("faceedit_app.lab.training.run.RECIPES", small)
     from faceedit_app.lab.training import loop
 
@@ -179,7 +179,7 @@ def test_ctrl_c_keeps_what_there_is_and_says_so(
 
     monkeypatch.setattr(loop, "_epoch", epoch)
     out = tmp_path / "m"
-    given = ["train", "--data", str(takes), "-o", str(out)]
+    given = ["train", "--data", str(takes), "-o", str(out), "--no-baseline"]
     assert main(given) == 130
     assert "Stopped" in capsys.readouterr().out
     assert (out / "lower.onnx").exists()
@@ -206,7 +206,8 @@ def test_statistics_tell_sources_apart(takes: Path, capsys: pytest.CaptureFixtur
 def test_systems_that_give_the_truth_back_have_no_error() -> None:
     """A stand-in that knows the take: every metric must say that it is right."""
     take = performance(8.0)
-    fitted = [fit_region(r, [performance(25.0)], RIG, tiny()).model for r in REGIONS]
+    small = tiny(widths=(4,))
+    fitted = [fit_region(r, [performance(25.0)], RIG, small).model for r in REGIONS]
     systems = Systems.of(*fitted)
     from faceedit_app.core.arkit import ARKIT_INDEX
 

@@ -35,7 +35,8 @@ def test_figures_of_a_take_whose_times_are_known(tmp_path: Path) -> None:
 
 
 @needs_espeak
-def test_a_wrong_time_counts_as_an_error(tmp_path: Path) -> None:
+def test_a_wrong_time_counts_as_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("faceedit_app.lab.evaluation.words.NOISES", (None,))
     take, words = mumbling_take(tmp_path)
     moved = words.with_edge(words.words[3].start, words.words[3].start + 1.0)
     write_words(tmp_path / "mumble.json", moved, 3.0)

@@ -15,7 +15,7 @@ torch.set_num_threads(1)
 
 
 def random_networks(
-    controls: int, channels: int, widths: tuple[int, ...] = (4, 6, 8), seed: int = 0
+    controls: int, channels: int, widths: tuple[int, ...] = (4, 6), seed: int = 0
 ) -> UNets:
     """Untrained U-Nets in which the autoencoder answers as well."""
     torch.manual_seed(seed)

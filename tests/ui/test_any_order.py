@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
+from support.chance import TIMES
 from support.windows import Bench
 
 from faceedit_app.core.resources import shipped
@@ -12,7 +13,7 @@ from faceedit_app.lab.attacks.hands import dialogs_cancelled
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.ui.start.window import MainWindow
 
-STEPS = 200
+STEPS = 100 * TIMES
 
 
 def exported(window: MainWindow) -> bytes:

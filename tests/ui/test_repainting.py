@@ -12,6 +12,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
+from support.chance import TIMES
 from support.curves import LEFT, move_with, open_panel, place, session_of, surface
 from support.rigs import tiny_session
 from support.waiting import wait_for_timers
@@ -54,7 +55,7 @@ def test_nothing_stale_stays_on_screen(qtbot: QtBot, frames: int) -> None:
     panel = open_panel(qtbot, tiny_session(frames))
     session, line, rng = session_of(panel), panel.timeline, random.Random(frames)
     duration = session.take.clip.duration
-    for gesture in range(24):
+    for gesture in range(8 * TIMES):
         what = rng.choice(("zoom", "select", "select", "nothing", "undo", "redo", "plain"))
         start = rng.uniform(0.0, 0.8 * duration)
         if what == "zoom":

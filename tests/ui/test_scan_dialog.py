@@ -12,6 +12,7 @@ from PySide6.QtTest import QTest
 from support.faces import shipped_rig
 from support.windows import Bench, trigger
 
+from faceedit_app.characters import registration
 from faceedit_app.characters.making import Template
 from faceedit_app.characters.registration import Landmarks
 from faceedit_app.core.arrays import Pixels
@@ -44,6 +45,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(steps, "find_landmarks", landmarks)
     monkeypatch.setattr(steps, "snapshot", picture)
+    monkeypatch.setattr(registration, "_STEPS", ((0.02, 10.0, 0.5, 1),))  # near is near enough
 
 
 def dialog_of(window: MainWindow) -> ScanDialog:

@@ -31,7 +31,7 @@ class BackgroundSolving(QObject):
         self._document, self._timeline = document, timeline
         self._timer = QTimer(self, interval=0)
         self._timer.timeout.connect(self._work)
-        self._began = self._told = 0.0
+        self._began = self._shown_at = 0.0
         document.opened.connect(self.watch)
         document.changed.connect(self.begin)
         document.previewed.connect(self.begin)
@@ -49,7 +49,7 @@ class BackgroundSolving(QObject):
         if session is None or session.live.is_complete:
             self._stop()
         elif not self.is_busy:
-            self._began = self._told = time.monotonic()
+            self._began = self._shown_at = time.monotonic()
             self._timer.start()
 
     def cancel(self) -> None:
@@ -77,8 +77,8 @@ class BackgroundSolving(QObject):
             self._stop()
             return
         now = time.monotonic()
-        if now - self._told >= REDRAW:
-            self._told = now
+        if now - self._shown_at >= REDRAW:
+            self._shown_at = now
             if now - self._began >= QUIET:
                 self.advanced.emit(*session.live.progress)
 
