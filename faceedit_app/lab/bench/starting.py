@@ -26,6 +26,7 @@ def start(frames: int = 0) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as home:
         env = {"QT_QPA_PLATFORM": "offscreen", "HOME": home}
         env |= {f"XDG_{name}_HOME": home for name in ("CONFIG", "STATE", "DATA", "CACHE")}
+        env["PYTHONDONTWRITEBYTECODE"] = ""  # an installed program's modules are compiled
         command = [sys.executable, "-m", "faceedit_app.lab.bench.starting", str(time.time())]
         run = subprocess.run(
             [*command, str(frames)],
