@@ -17,12 +17,13 @@ What R leaves is the residual of a pose, see `residual.py`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property, partial
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Indices
+from faceedit_app.editing.solving.recent import Recent
 
 # How firmly the coefficients of the curves, of their products and of the radial functions are kept
 # near 0, in frames at 25 fps.
@@ -49,6 +50,7 @@ class LastLayer:
         precision: (C, C) of its standardised curves.
         coefficients: (F, K) of the functions of the curves.
         constant: (K,) added to them.
+        recent: keeps the functions of the last curves; layers of the same take share it.
     """
 
     mean: Doubles
@@ -59,6 +61,7 @@ class LastLayer:
     precision: Doubles
     coefficients: Doubles
     constant: Doubles
+    recent: Recent[Doubles] = field(default_factory=partial(Recent, 1), repr=False)
 
     @classmethod
     def fit(
@@ -103,9 +106,16 @@ class LastLayer:
     def __call__(self, curves: Doubles) -> Doubles:
         """(N, K) the correction for curves (N, C)."""
         within = np.minimum(np.maximum((curves - self.mean) / self.spread, self.low), self.high)
-        answer: Doubles = self.coefficients.T @ _functions(within, self.poses).T
+        # Brows and lids hear the same curves: what one asked for, the other asks for next.
+        key = within.tobytes(), self._poses_key
+        functions = self.recent.to(key, lambda: _functions(within, self.poses))
+        answer: Doubles = self.coefficients.T @ functions.T
         answer += self.constant[:, None]
         return answer.T
+
+    @cached_property
+    def _poses_key(self) -> bytes:
+        return self.poses.tobytes()
 
     def change(self, curves: Doubles, to: Doubles, known: Doubles | None = None) -> Doubles:
         """(N, K) how the correction changes from curves (N, C) to others.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -52,6 +53,7 @@ class NetworkAnswers:
         self._answers = Answers(engine, grid) if engine else None
         self._layers: dict[tuple[str, float], LastLayer] = {}
         self._mixed = Recent[LastLayer](MIXED)
+        self._functions = Recent[Doubles](1)
         self._residuals = Residuals()
         for name in engine.models if engine else ():
             self.last_layer(name, Settings())  # now, so that the first drag need not wait for it
@@ -77,7 +79,8 @@ class NetworkAnswers:
                 first, last = (int(i) for i in self._chunks.grid_ranges[chunk])
                 answer = engine.answer(region, self._grid[first:last], naturalness)
                 answers.append(answer[own[0] - first : own[1] - first])
-            self._layers[key] = self._parts[region].last_layer(answers, self._sample)
+            layer = self._parts[region].last_layer(answers, self._sample)
+            self._layers[key] = replace(layer, recent=self._functions)
         return self._layers[key]
 
     def begin(
