@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
     QLineEdit,
     QSpinBox,
-    QStyle,
-    QStyleOptionViewItem,
     QWidget,
 )
 from support.curves import drag, turn
@@ -22,10 +19,8 @@ from support.windows import Bench, drag_curve, session_of
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.ui.edits.delegate import cells
-from faceedit_app.ui.edits.model import COLUMNS, columns
+from faceedit_app.ui.edits.model import COLUMNS
 from faceedit_app.ui.edits.panel import EditsPanel
-from faceedit_app.ui.look.palette import ACCENT_DEEP, BACKGROUND
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -254,48 +249,6 @@ def test_new_edits_are_scrolled_to(window: MainWindow) -> None:
     shown = panel.list.viewport().rect()
     assert shown.contains(panel.list.visualRect(panel.model.index(21)))
     assert shown.contains(panel.list.visualRect(panel.model.index(22)))
-
-
-def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow) -> None:
-    panel, row = panel_of(window), QRectF(0, 0, 516, 25)
-    drag_curve(window, 0, 1.0, 20)
-    edit = session_of(window).edits[-1]
-    name = panel.model.data(panel.model.index(3))
-    assert name.startswith("Mouth opening +")
-    (_, room), *others = cells(row, name, *columns(edit))
-    assert panel.list.fontMetrics().horizontalAdvance(name) < room.width()
-    assert columns(edit)[0].count("–") == 0  # one frame is not a range
-    (_, named), *more = cells(row, "mine", *columns(edit))
-    assert len(more) == len(others) + 1
-    assert named.right() < min(place.left() for _, place in more)
-
-
-@pytest.mark.parametrize("width", [320, 403, 469, 470, 900])
-def test_the_name_of_an_edit_is_more_than_its_first_letters(window: MainWindow, width: int) -> None:
-    panel = panel_of(window)
-    index = panel.model.index(0)
-    (_, room), *_ = cells(QRectF(0, 0, width, 25), "Exaggerate", *index.data(COLUMNS))
-    assert panel.list.fontMetrics().horizontalAdvance("Exaggerate") < room.width()
-
-
-def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> None:
-    """At 150 % every other row begins in the middle of a pixel."""
-    panel = panel_of(window)
-    picture = QImage(300, 120, QImage.Format.Format_RGB32)
-    picture.setDevicePixelRatio(1.5)
-    picture.fill(QColor(BACKGROUND))
-    option = QStyleOptionViewItem()
-    option.rect = QRect(0, 25, 200, 25)
-    option.state |= QStyle.StateFlag.State_Selected
-    with QPainter(picture) as painter:
-        panel.list.itemDelegate().paint(painter, option, panel.model.index(0))
-    colors = {picture.pixelColor(4, y).name() for y in range(picture.height())}
-    assert colors == {BACKGROUND, ACCENT_DEEP}
-
-
-def test_no_edit_is_said_to_begin_before_the_take() -> None:
-    edit = Edit(("mouth_opening",), Op.OFFSET, -0.03, 0.03, 0.1, 4.0)
-    assert columns(edit)[0] == "0.00 – 0.03 s"
 
 
 def test_order_by_keys_and_by_dropping(window: MainWindow) -> None:

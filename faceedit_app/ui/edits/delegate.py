@@ -15,7 +15,7 @@ from PySide6.QtCore import (
     QSize,
     Qt,
 )
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPainterPath, QPen, QPolygonF
+from PySide6.QtGui import QColor, QFontMetrics, QMouseEvent, QPainter, QPainterPath, QPen, QPolygonF
 from PySide6.QtWidgets import (
     QLineEdit,
     QSpinBox,
@@ -46,7 +46,8 @@ _LEFT = 32.0  # pixels left of the name
 _ARROW = 14.0  # of a group
 _RIGHT = 8.0
 _STRENGTH = 50.0
-_RANGE = 116.0
+_RANGE = 116.0  # at least
+_LEAST_NAME = 96.0  # beside a wider range
 _NARROW = 470  # pixels below which the curves' names would leave the edit's no room
 
 Index = QModelIndex | QPersistentModelIndex
@@ -98,7 +99,9 @@ class EditsDelegate(QStyledItemDelegate):
         name, group = str(index.data(Qt.ItemDataRole.DisplayRole)), index.data(GROUP)
         if group is not None and group[0]:
             name = f"{name}  ({group[0]})"
-        (text, room), *others = cells(rect, name, *index.data(COLUMNS))
+        columns = index.data(COLUMNS)
+        ranged = range_width(rect, option.fontMetrics, columns[0])
+        (text, room), *others = cells(rect, name, *columns, ranged=ranged)
         painter.setPen(QColor(TEXT if edit.enabled else off))
         if group is not None:
             room.setLeft(room.left() + _ARROW)
@@ -169,7 +172,9 @@ class EditsDelegate(QStyledItemDelegate):
                 model.toggle_group(index.row())
             return event.type() != QEvent.Type.MouseButtonPress
         if isinstance(event, QMouseEvent) and event.type() == QEvent.Type.MouseButtonDblClick:
-            self.edits = self._part_at(QRectF(option.rect), event.position().x())
+            row = QRectF(option.rect)
+            ranged = range_width(row, option.fontMetrics, index.data(COLUMNS)[0])
+            self.edits = self._part_at(row, event.position().x(), ranged)
         if (
             isinstance(event, QMouseEvent)
             and event.type() == QEvent.Type.MouseButtonRelease
@@ -184,11 +189,11 @@ class EditsDelegate(QStyledItemDelegate):
         return False
 
     @staticmethod
-    def _part_at(row: QRectF, x: float) -> Part:
+    def _part_at(row: QRectF, x: float, ranged: float) -> Part:
         from_right = row.right() - x
         if from_right <= _STRENGTH + _RIGHT:
             return Part.STRENGTH
-        return Part.RANGE if from_right <= _STRENGTH + _RANGE + _RIGHT + 8 else Part.NAME
+        return Part.RANGE if from_right <= _STRENGTH + ranged + _RIGHT + 8 else Part.NAME
 
     def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
         """A number field for the strength, a text field for name and range."""
@@ -233,20 +238,33 @@ class EditsDelegate(QStyledItemDelegate):
             editor.setGeometry(rect.adjusted(rect.width() - right - 6, 0, 0, 0))
             return
         if self.edits is Part.RANGE:
-            left = rect.width() - right - round(_RANGE) - 14
+            when = index.data(COLUMNS)[0]
+            ranged = range_width(QRectF(rect), option.fontMetrics, when)
+            left = rect.width() - right - round(ranged) - 14
             editor.setGeometry(rect.adjusted(left, 0, -right, 0))
             return
         editor.setGeometry(option.rect.adjusted(int(_LEFT) - 5, 0, -int(_STRENGTH), 0))
 
 
-def cells(row: QRectF, name: str, when: str, what: str, strength: str) -> list[tuple[str, QRectF]]:
+def range_width(row: QRectF, metrics: QFontMetrics, when: str) -> float:
+    """Pixels of the column of a range: timecodes get more, as far as the name can spare them."""
+    spare = row.width() - _LEFT - _LEAST_NAME - _STRENGTH - _RIGHT - 16.0
+    return max(min(metrics.horizontalAdvance(when) + 2.0, spare), _RANGE)
+
+
+def cells(
+    row: QRectF, name: str, when: str, what: str, strength: str, ranged: float = _RANGE
+) -> list[tuple[str, QRectF]]:
     """The texts of a row and their places, the name first.
 
     A name that contains its curve also takes the column of the curve.
+
+    Args:
+        ranged: pixels of the column of the range.
     """
     right = row.right() - _RIGHT
     out = []
-    for text, width in ((strength, _STRENGTH), (when, _RANGE)):
+    for text, width in ((strength, _STRENGTH), (when, ranged)):
         out.append((text, QRectF(right - width, row.y(), width, row.height())))
         right -= width + 8
     if row.width() >= _NARROW and what.lower() not in name.lower():
