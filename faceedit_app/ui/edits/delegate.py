@@ -253,7 +253,7 @@ def range_width(row: QRectF, metrics: QFontMetrics, when: str) -> float:
 
 
 def cells(
-    row: QRectF, name: str, when: str, what: str, strength: str, ranged: float = _RANGE
+    row: QRectF, name: str, when: str, what: str, strength: str, *, ranged: float = _RANGE
 ) -> list[tuple[str, QRectF]]:
     """The texts of a row and their places, the name first.
 
