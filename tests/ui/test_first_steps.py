@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from support.windows import Bench
+from support.waiting import run_events
+from support.windows import Bench, editor_of, trigger
 
 from faceedit_app.ui.state.preferences import Preferences
 
@@ -43,3 +45,19 @@ def test_esc_skips_and_the_menu_brings_them_back(bench: Bench) -> None:
     assert hints.accessibleName()
     for button in (hints.next_button, hints.skip_button):
         assert button.text()
+
+
+@pytest.mark.parametrize("size", [(960, 520), (1000, 600), (1280, 720), (1920, 1080)])
+def test_the_card_leaves_what_it_explains_free(bench: Bench, size: tuple[int, int]) -> None:
+    """Also where there is hardly room beside it: 1920 x 1080 at twice the size are 960 x 540."""
+    window = bench.editing()
+    window.resize(*size)
+    run_events()
+    trigger(window, "first_steps")
+    hints = editor_of(window).hints
+    while hints.isVisible():
+        card, hole = hints.card.geometry(), hints._hole()
+        both = card & hole
+        assert hints.rect().contains(card)
+        assert both.width() * both.height() <= 0.05 * hole.width() * hole.height(), hints.step
+        hints.forward()

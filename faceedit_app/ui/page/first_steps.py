@@ -130,19 +130,26 @@ class HintLayer(QWidget):
         return hole.intersected(self.rect())
 
     def _place(self, hole: QRect) -> QPoint:
-        """Beside the hole if there is room, else below or above it, else inside."""
+        """Beside the hole, else below or above it, where the card covers least of it."""
         card, room = self.card.size(), self.rect().adjusted(8, 8, -8, -8)
         middle = hole.center().y() - card.height() // 2
-        across = min(max(hole.left(), room.left()), room.right() - card.width())
-        for place in (
+        right, bottom = room.right() + 1 - card.width(), room.bottom() + 1 - card.height()
+
+        def covered(place: QPoint) -> int:
+            both = QRect(place, card) & hole
+            return both.width() * both.height() if not both.isEmpty() else 0
+
+        places = (
             QPoint(hole.right() + _APART, middle),
             QPoint(hole.left() - _APART - card.width(), middle),
-            QPoint(across, hole.bottom() + _APART),
-            QPoint(across, hole.top() - _APART - card.height()),
-        ):
-            if room.contains(QRect(place, card)):
-                return place
-        return hole.center() - QPoint(card.width() // 2, card.height() // 2)
+            QPoint(hole.left(), hole.bottom() + _APART),
+            QPoint(hole.left(), hole.top() - _APART - card.height()),
+        )
+        inside = [
+            QPoint(max(min(place.x(), right), room.left()), max(min(place.y(), bottom), room.top()))
+            for place in places
+        ]
+        return min(inside, key=covered)
 
     # --- events ------------------------------------------------------------------------------
 
