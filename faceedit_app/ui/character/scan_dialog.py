@@ -94,14 +94,13 @@ class ScanDialog(QDialog):
         column = QVBoxLayout(self)
         column.setSpacing(10)
         column.addLayout(grid)
-        row = QHBoxLayout()
-        row.addStretch()
-        for box in self.parts.values():
-            row.addWidget(box)
-        column.addLayout(row)
         column.addWidget(self.busy)
         column.addWidget(self.status)
-        column.addWidget(buttons)
+        row = QHBoxLayout()  # one row for both, so that all fits a low screen
+        for box in self.parts.values():
+            row.addWidget(box)
+        row.addWidget(buttons, 1)
+        column.addLayout(row)
 
     def begin(self) -> None:
         """Make the character in the background, with the points as they are now."""
