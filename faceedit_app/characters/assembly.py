@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from faceedit_app.characters.character import Character, Part
 from faceedit_app.characters.face_frame import FaceFrame
 from faceedit_app.characters.gaze import LOOKS, Eye, find_eyes, gaze_moves, is_turned_by
-from faceedit_app.characters.names import Half, Share
+from faceedit_app.characters.matches import Half, Share
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
 

@@ -16,7 +16,8 @@ from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.gaze import Eye
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
-from faceedit_app.characters.names import Match, Share, match_channels
+from faceedit_app.characters.matches import Match, Share
+from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.percent import REMARK, in_percent
 from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.points import PAIRS, POINTS, find_points
@@ -131,6 +132,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     _need_shapes(character)
     match = mapping.applied(match_channels(character.targets, character.meshes))
     _need_match(character, match)
+    character = character.shaped(match.played)
     assembler = Assembler(character, match.shares, match.alike)
     frame = find_frame(character, match.shares, assembler.target)
     remarks = list(character.remarks)
