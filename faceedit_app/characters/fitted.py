@@ -188,21 +188,18 @@ def _need_shapes(character: Character) -> None:
 def _need_match(character: Character, match: Match) -> None:
     if len(match.matched) >= _FEWEST:
         return
-    names = character.targets
-    if match.matched:
-        known = ", ".join(list(match.matched))
-        raise FileError(
-            character.path,
-            f"has only {len(match.matched)} shapes with names that FaceEdit knows "
-            f"({known}), and {_FEWEST} are needed",
-            f"rename the others as in ARKit, or map them in {map_path(character.path).name}",
-        )
-    shown = ", ".join(name[:30] for name in names[:3]) + (" …" if len(names) > 3 else "")
-    raise FileError(
-        character.path,
-        f"none of its {len(names)} shapes has a name that FaceEdit knows ({shown})",
-        f"rename them as in ARKit, or map them in {map_path(character.path).name}",
-    )
+    known = {share.name for shares in match.shares.values() for share in shares}
+    others = [name[:30] for name in character.targets if name not in known]
+    count = len(character.targets)
+    says = f"none of its {count} shapes has a name that FaceEdit knows"
+    if known:
+        channels = " and ".join(match.matched)
+        says = f"has shapes for {channels} only, and {_FEWEST} channels are needed"
+    if others:
+        says += f" (unknown: {', '.join(others[:3])}{' …' if len(others) > 3 else ''})"
+    file = map_path(character.path).name
+    remedy = f"rename them as in ARKit, or map them in {file}"
+    raise FileError(character.path, says, remedy if others else "add others, named as in ARKit")
 
 
 def _absent_shapes(character: Character, mapping: CharacterMap) -> list[str]:
