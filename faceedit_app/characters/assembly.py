@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character, Part
 from faceedit_app.characters.face_frame import FaceFrame
-from faceedit_app.characters.gaze import LOOKS, Eye, find_eyes, gaze_moves
-from faceedit_app.characters.names import Half, Share
+from faceedit_app.characters.gaze import LOOKS, Eye, find_eyes, gaze_moves, is_turned_by
+from faceedit_app.characters.matches import Half, Share
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Floats, Indices
 
@@ -129,13 +129,17 @@ class Assembler:
                         rows = slice(start, start + len(place))
                         deltas[k, rows] += (how * frame.moves(moves)).astype(np.float32)
         part_of = np.concatenate(numbers)
-        has_looks = any(channel in LOOKS for channel in channels)
-        eyes = None if has_looks else find_eyes(parts, frame, mouth, deltas)
-        if eyes is not None:
+        eyes = find_eyes(parts, frame, mouth, deltas)
+        looks = [k for k, channel in enumerate(channels) if channel in LOOKS]
+        if eyes is not None and not is_turned_by(eyes, deltas[looks]):
+            self.remarks.append(self._turned(eyes, part_of, bool(looks)))
             gaze = gaze_moves(eyes, np.concatenate(places), frame)
+            for k in looks:  # which move the lids
+                deltas[k] += gaze.pop(channels[k])
             channels = (*channels, *gaze)
             deltas = np.concatenate([deltas, *(moves[None] for moves in gaze.values())])
-            self.remarks.append(self._turned(eyes, part_of))
+        else:
+            eyes = None
         return Assembly(
             np.concatenate(places).astype(np.float32),
             faces,
@@ -148,9 +152,11 @@ class Assembler:
             eyes,
         )
 
-    def _turned(self, eyes: tuple[Eye, Eye], part_of: NDArray[np.int32]) -> str:
+    def _turned(self, eyes: tuple[Eye, Eye], part_of: NDArray[np.int32], has_looks: bool) -> str:
         """A sentence about eyes without shapes."""
         says = "the eyes have no shapes; they are turned instead"
+        if has_looks:
+            says = "the shapes of looks do not move the eyes; they are turned as well"
         nodes = [eye.nodes(self._character.parts, part_of) for eye in eyes]
         if self._character.format == "glTF" and not all(nodes):
             says += ", but not in a GLB that is exported: they are parts of larger meshes"

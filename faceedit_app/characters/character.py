@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -75,6 +75,7 @@ class Part:
         colors: (V, 4) float32, linear RGBA.
         surface: how it is drawn.
         eyes: the joints of eyes that it follows.
+        rest: by morph target, the weight that it has in the file if it is not 0.
         node: the number of its node in a glTF file, if that places it: a skin does not.
     """
 
@@ -86,6 +87,7 @@ class Part:
     colors: Floats | None = None
     surface: Surface = field(default_factory=Surface)
     eyes: tuple[EyeJoint, ...] = ()
+    rest: Mapping[str, float] = field(default_factory=dict)
     node: int | None = None
 
     def only(self, kept: Indices) -> Part:
@@ -142,6 +144,18 @@ class Character:
     def targets(self) -> tuple[str, ...]:
         """The names of all morph targets, without repeats, in the file's order."""
         return tuple(dict.fromkeys(name for part in self.parts for name in part.targets))
+
+    def shaped(self, played: Collection[str]) -> Character:
+        """The character with the morph targets that are not played as they are in the file.
+
+        Such are those that make a body thin or a face someone's.
+        """
+        parts = []
+        for part in self.parts:
+            kept = {n: w for n, w in part.rest.items() if n not in played and n in part.targets}
+            moves = sum((w * part.targets[n] for n, w in kept.items()), np.float32(0.0))
+            parts.append(replace(part, neutral=part.neutral + moves) if kept else part)
+        return replace(self, parts=tuple(parts))
 
     @property
     def meshes(self) -> dict[str, str]:

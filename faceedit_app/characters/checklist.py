@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.characters.face import Face, Points
-from faceedit_app.characters.names import Match, is_without_channel
+from faceedit_app.characters.matches import Match
+from faceedit_app.characters.names import is_without_channel
 
 DEAD = 0.3  # mm; a shape that moves no vertex farther is not visible
 # These move eyeballs, tongue or brows, which are often separate meshes.

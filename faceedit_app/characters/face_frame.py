@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character
 from faceedit_app.characters.eyeballs import find_eyeballs
-from faceedit_app.characters.names import Half, Share
+from faceedit_app.characters.matches import Half, Share
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.errors import FileError
 

@@ -37,6 +37,8 @@ from faceedit_app.characters.fbx_tree import Record, read_tree
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 
+_MOST_PERCENT = 1000.0
+
 
 def read_fbx(path: Path) -> Character:
     """Read a binary FBX file.
@@ -116,6 +118,7 @@ class _Scene:
             targets=targets,
             uv=None if uv is None else uv[first].astype(np.float32),
             eyes=tuple(self._eyes(number, len(vertices), points)),
+            rest=dict(self._rest(number)),
         )
         surfaces = self._surfaces(model)
         chosen = _materials(geometry, int(owners.max()) + 1)[owners]
@@ -180,6 +183,15 @@ class _Scene:
                     raise Damaged("a morph target names a vertex that does not exist")
                 moves[rows] = finite(values.reshape(-1, 3), "a morph target's vertices")
             yield name, moves
+
+    def _rest(self, geometry: int) -> Iterator[tuple[str, float]]:
+        """The weights, 0 to 1, that blendshapes have in the file."""
+        for deformer in self._under(geometry, "Deformer", "BlendShape"):
+            for number in self._under(deformer, "Deformer", "BlendShapeChannel"):
+                channel = self._objects[number]
+                (percent,) = properties_of(channel).get("DeformPercent", (0.0,))[:1] or (0.0,)
+                if isinstance(percent, (int, float)) and 0 < abs(percent) <= _MOST_PERCENT:
+                    yield _label(channel), percent / 100
 
     def _under(self, number: int, name: str, kind: str) -> Iterator[int]:
         """The objects of one kind that are connected to an object."""

@@ -16,7 +16,8 @@ from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.gaze import Eye
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
-from faceedit_app.characters.names import Match, Share, match_channels
+from faceedit_app.characters.matches import Match, Share
+from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.percent import REMARK, in_percent
 from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.points import PAIRS, POINTS, find_points
@@ -131,6 +132,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     _need_shapes(character)
     match = mapping.applied(match_channels(character.targets, character.meshes))
     _need_match(character, match)
+    character = character.shaped(match.played)
     assembler = Assembler(character, match.shares, match.alike)
     frame = find_frame(character, match.shares, assembler.target)
     remarks = list(character.remarks)
@@ -186,21 +188,18 @@ def _need_shapes(character: Character) -> None:
 def _need_match(character: Character, match: Match) -> None:
     if len(match.matched) >= _FEWEST:
         return
-    names = character.targets
-    if match.matched:
-        known = ", ".join(list(match.matched))
-        raise FileError(
-            character.path,
-            f"has only {len(match.matched)} shapes with names that FaceEdit knows "
-            f"({known}), and {_FEWEST} are needed",
-            f"rename the others as in ARKit, or map them in {map_path(character.path).name}",
-        )
-    shown = ", ".join(name[:30] for name in names[:3]) + (" …" if len(names) > 3 else "")
-    raise FileError(
-        character.path,
-        f"none of its {len(names)} shapes has a name that FaceEdit knows ({shown})",
-        f"rename them as in ARKit, or map them in {map_path(character.path).name}",
-    )
+    known = {share.name for shares in match.shares.values() for share in shares}
+    others = [name[:30] for name in character.targets if name not in known]
+    count = len(character.targets)
+    says = f"none of its {count} shapes has a name that FaceEdit knows"
+    if known:
+        channels = " and ".join(match.matched)
+        says = f"has shapes for {channels} only, and {_FEWEST} channels are needed"
+    if others:
+        says += f" (unknown: {', '.join(others[:3])}{' …' if len(others) > 3 else ''})"
+    file = map_path(character.path).name
+    remedy = f"rename them as in ARKit, or map them in {file}"
+    raise FileError(character.path, says, remedy if others else "add others, named as in ARKit")
 
 
 def _absent_shapes(character: Character, mapping: CharacterMap) -> list[str]:

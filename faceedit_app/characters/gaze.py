@@ -1,4 +1,4 @@
-"""Give a character without eyeLook shapes its gaze: its eyes are turned about their middle.
+"""Give a character whose shapes do not turn its eyes its gaze: they are turned about their middle.
 
 Eyes are what the file's own joints of eyes carry; if it has none, the two eyeballs, with whatever
 lies inside them.
@@ -78,6 +78,12 @@ def find_eyes(
     if sides[0] * sides[1] >= 0:  # one on either side
         return None
     return (eyes[0], eyes[1]) if sides[0] > 0 else (eyes[1], eyes[0])
+
+
+def is_turned_by(eyes: tuple[Eye, Eye], deltas: Floats) -> bool:
+    """Whether shapes (K, V, 3), metres, move the eyes: those of looks may move only the lids."""
+    theirs = (eyes[0].share > _WHOLE) | (eyes[1].share > _WHOLE)
+    return bool(np.abs(deltas[:, theirs]).max(initial=0.0) > _STILL)
 
 
 def gaze_moves(eyes: tuple[Eye, Eye], places: Doubles, frame: FaceFrame) -> dict[str, Floats]:

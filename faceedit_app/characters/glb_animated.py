@@ -103,7 +103,7 @@ def _animated(
     clock = out.add_times(times)
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []
-    for node, mesh in _animatable(document):
+    for node, mesh, rest in _animatable(document):
         names = _target_names(mesh)
         played = {
             spelling: values
@@ -112,9 +112,8 @@ def _animated(
         }
         if not played:
             continue
-        rest = mesh.get("weights", [0.0] * len(names))
         columns = [
-            played.get(shape, np.full(len(times), rest[k], np.float32))
+            played.get(shape, np.full(len(times), rest[k] if k < len(rest) else 0.0, np.float32))
             for k, shape in enumerate(names)
         ]
         output = out.add_weights(np.stack(columns, axis=1), compact)
@@ -143,13 +142,16 @@ def _animated(
     return out.content()
 
 
-def _animatable(document: Mapping[str, Any]) -> list[tuple[int, dict[str, Any]]]:
-    """The nodes with meshes."""
-    return [
-        (number, document["meshes"][node["mesh"]])
-        for number, node in enumerate(document.get("nodes", []))
-        if "mesh" in node
-    ]
+def _animatable(
+    document: Mapping[str, Any],
+) -> list[tuple[int, dict[str, Any], Sequence[float]]]:
+    """The nodes with meshes: number, mesh, and the weights at rest."""
+    found = []
+    for number, node in enumerate(document.get("nodes", [])):
+        if "mesh" in node:
+            mesh = document["meshes"][node["mesh"]]
+            found.append((number, mesh, node.get("weights") or mesh.get("weights") or ()))
+    return found
 
 
 def _target_names(mesh: Mapping[str, Any]) -> Sequence[str]:

@@ -158,7 +158,7 @@ class Scene:
         )
         is_skinned = self.nodes[placed.node].get("skin") is not None
         node = None if is_skinned else placed.node
-        part = replace(part, eyes=self._eyes(placed, arrays), node=node)
+        part = replace(part, eyes=self._eyes(placed, arrays), rest=self._rest(placed), node=node)
         kept = np.unique(faces).astype(np.intp)
         targets = self._targets(placed, linear, len(neutral), kept)
         return replace(part.only(kept), targets=targets), kept
@@ -233,6 +233,13 @@ class Scene:
             if is_eye(str(self.nodes[joint].get("name") or ""))
         ]
         return tuple(joint for joint in found if joint is not None)
+
+    def _rest(self, placed: Placed) -> dict[str, float]:
+        """The weights that morph targets have in the file; those of the node go first."""
+        mesh = self.document.entry("meshes", placed.mesh)
+        weights = self.nodes[placed.node].get("weights") or mesh.get("weights") or []
+        given = finite(np.array(weights, np.float64).ravel(), "the weights of a mesh").tolist()
+        return {n: w for n, w in zip(placed.names, given, strict=False) if w}
 
     def _targets(
         self, placed: Placed, linear: Doubles, count: int, kept: Indices

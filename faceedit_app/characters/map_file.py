@@ -11,7 +11,7 @@ from typing import Any
 
 from faceedit_app.characters.bounded import read_file
 from faceedit_app.characters.character import Place
-from faceedit_app.characters.names import Half, Match, Share
+from faceedit_app.characters.matches import Half, Match, Share
 from faceedit_app.characters.points import POINTS
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.atomic import write_atomically

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character
-from faceedit_app.characters.names import Match
+from faceedit_app.characters.matches import Match
 
 _MOST = 1.0  # mm that whole shapes never stay below
 _PLAUSIBLE = (3.0, 150.0)  # mm that the largest move of any face

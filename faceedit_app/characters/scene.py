@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faceedit_app.characters.names import Half, Share
+from faceedit_app.characters.matches import Half, Share
 from faceedit_app.characters.turning import Turning
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Times

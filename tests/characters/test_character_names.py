@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from faceedit_app.characters.names import Half, match_channels
+from faceedit_app.characters.matches import Half
+from faceedit_app.characters.names import match_channels
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
 

@@ -174,12 +174,30 @@ def test_an_iris_turns_with_its_eyeball(tmp_path: Path) -> None:
     assert moved[-5:, 1].min() > 3.0  # the iris
 
 
-def test_a_character_with_looks_keeps_its_own(tmp_path: Path) -> None:
+def test_eyes_that_shapes_turn_are_not_turned_again(tmp_path: Path) -> None:
+    out = small_glb()
+    add_eyeballs(out)
+    for mesh in out.json["meshes"][1:]:
+        (primitive,) = mesh["primitives"]
+        count = out.json["accessors"][primitive["attributes"]["POSITION"]]["count"]
+        primitive["targets"] = [{"POSITION": out.accessor(np.full((count, 3), 0.002), FLOAT)}]
+        mesh["extras"]["targetNames"] = ["eyeLookUpLeft"]
+    fitted = opened(out, tmp_path)
+    assert moves(fitted, "eyeLookUpLeft", "Eye_L") == pytest.approx(2.0, rel=0.1)
+    assert np.abs(moves(fitted, "eyeLookDownLeft", "Eye_L")).max() == 0
+    assert fitted.checklist.remarks == ()
+
+
+def test_eyes_are_turned_if_looks_move_only_the_lids(tmp_path: Path) -> None:
     out = small_glb()
     add_eyeballs(out)
     fitted = opened(out, tmp_path)
-    assert np.abs(moves(fitted, "eyeLookUpLeft", "Eye_L")).max() == 0
-    assert fitted.checklist.remarks == ()
+    assert fitted.checklist.remarks == (
+        "the shapes of looks do not move the eyes; they are turned as well",
+    )
+    assert fitted.checklist.missing == ()
+    assert moves(fitted, "eyeLookUpLeft", "Eye_L")[-5:, 1].min() > 3.0
+    assert np.abs(moves(fitted, "eyeLookUpLeft", "Head")).max() > 0.1
 
 
 def test_a_character_without_eyes_gets_none(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from support.heads import small_head
 from faceedit_app.characters.character import Place
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map, write_map
-from faceedit_app.characters.names import Half, Share
+from faceedit_app.characters.matches import Half, Share
 from faceedit_app.core.errors import FileError
 
 

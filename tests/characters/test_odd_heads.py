@@ -8,14 +8,24 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support.character_files import FLOAT, SHORT, UNSIGNED, Glb, small_glb, write_glb, write_objs
-from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record
+from support.character_files import (
+    FLOAT,
+    SHORT,
+    UNSIGNED,
+    Glb,
+    parts_of,
+    small_glb,
+    write_glb,
+    write_objs,
+)
+from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record, write_fbx
 from support.heads import JAW, MOUTH, small_head
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.map_file import map_path, write_map
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scene import shape_weights
+from faceedit_app.characters.scenes import SCENES, scene_content
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
@@ -256,10 +266,52 @@ def test_a_crooked_mouth_has_its_lips_and_corners(tmp_path: Path, degrees: float
 
 def test_shapes_that_are_too_few_are_named(tmp_path: Path) -> None:
     path = write_glb(tmp_path / "head.glb", lambda n: n if n in FEW[:2] else f"x {n[::-1]}")
-    with pytest.raises(FileError, match=r"only 2 .*\(eyeBlinkLeft, jawOpen\), and 3 are needed"):
+    with pytest.raises(
+        FileError, match=r"for eyeBlinkLeft and jawOpen only.*unknown: x .*; rename"
+    ):
         open_character(path)
 
 
 def test_what_needs_the_jaw_is_not_doubted_without_it(tmp_path: Path) -> None:
     path = write_glb(tmp_path / "head.glb", lambda n: None if n == "jawOpen" else n)
     assert "jaw" not in " ".join(open_character(path).checklist.doubts)
+
+
+@pytest.mark.parametrize("is_of_node", [True, False])
+def test_shapes_that_make_a_face_someones_stay_as_they_are_in_the_file(
+    tmp_path: Path, is_of_node: bool
+) -> None:
+    """Those of channels rest at 0, whatever the file shows; an export keeps the others."""
+    out = small_glb(lambda name: "longer chin" if name == "jawForward" else name)
+    names = out.json["meshes"][0]["extras"]["targetNames"]
+    weights = [0.5 if name in ("longer chin", "jawOpen") else 0.0 for name in names]
+    holder = out.json["nodes" if is_of_node else "meshes"][0]
+    holder["weights"] = weights
+    fitted, plain = saved(out, tmp_path), open_character(write_glb(tmp_path / "plain.glb"))
+    moves = plain.rig.deltas[plain.rig.channels.index("jawForward")]
+    places = fitted.rig.neutral - plain.rig.neutral
+    np.testing.assert_allclose(
+        places - places.mean(axis=0), 0.5 * (moves - moves.mean(axis=0)), atol=2e-5
+    )
+    clip = Clip(np.array([[0.0], [0.2]], np.float32), ("jawOpen",), np.arange(2) / 25, 25.0)
+    document, binary = parts_of(scene_content(SCENES[0], clip, fitted, "take"))
+    accessor = document["accessors"][document["animations"][0]["samplers"][0]["output"]]
+    start = document["bufferViews"][accessor["bufferView"]]["byteOffset"]
+    played = np.frombuffer(binary, "<f4", accessor["count"], start).reshape(2, -1)
+    assert played[:, names.index("longer chin")] == pytest.approx([0.5, 0.5])
+    assert played[:, names.index("jawOpen")] == pytest.approx([0.0, 0.2])
+
+
+def test_an_fbx_keeps_such_shapes_too(tmp_path: Path) -> None:
+    records = fbx_of_head(lambda name: "longer chin" if name == "jawForward" else name)
+    objects = next(r for r in records if r[0] == "Objects")[2]
+    channel = next(
+        o for o in objects if o[1][1:] == ["longer chin\0\1SubDeformer", "BlendShapeChannel"]
+    )
+    percent = fbx_record("P", "DeformPercent", "Number", "", "A", 50.0)
+    channel[2].append(fbx_record("Properties70", inside=[percent]))
+    (tmp_path / "head.fbx").write_bytes(fbx_bytes(records))
+    (part,) = open_character(tmp_path / "head.fbx").character.parts
+    (plain,) = read_character(write_fbx(tmp_path / "plain.fbx")).parts
+    moved = part.neutral - plain.neutral
+    np.testing.assert_allclose(moved, 0.5 * plain.targets["jawForward"], atol=1e-4)

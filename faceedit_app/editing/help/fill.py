@@ -77,7 +77,9 @@ def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     seconds = np.interp(places, np.arange(len(clip)), clip.times)
     found = int(((seconds > start) & (seconds < end)).sum())
     if found:
-        text += f"; the export gets a face in {counted(found, 'row')} without one"
+        text += (
+            f"; the export gets a face in {counted(found, 'row')} without one: open it to see these"
+        )
     if lost > found:
         text += f"; the file has no row for {counted(lost - found, 'lost frame')}"
     return text

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.characters.fitted import FittedCharacter
-from faceedit_app.characters.names import Half
+from faceedit_app.characters.matches import Half
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level

@@ -238,7 +238,7 @@ class CharacterCommands:
 
     def _choose_shape(self, channel: str, shape: str) -> None:
         """Make a channel of another shape."""
-        from faceedit_app.characters.names import Share
+        from faceedit_app.characters.matches import Share
 
         character = self._document.character
         if character is not None:

@@ -193,7 +193,8 @@ class FixCommands:
         page, problem = self._workspace.page, self.problem
         if page is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
-            message = f"Fix shown. {problem.message}."
+            said = f"{problem.message[:1].lower()}{problem.message[1:]}"
+            message = f"Fix shown. The problem: {said}."
             found = self._variations(problem.fix)
             page.proposal.offer(
                 message,
