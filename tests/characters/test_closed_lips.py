@@ -46,10 +46,10 @@ def test_the_seam_runs_from_corner_to_corner(template: Template) -> None:
     assert (opened[upper, 1] - opened[lower, 1])[middle].min() > 15
 
 
+# Each is fitted to the end, which takes seconds; `test_making.py` has one with a jaw that is a little open.
 @pytest.mark.parametrize(
     "shapes",
     [
-        {"jawOpen": 0.15},
         {"jawOpen": 0.5, "mouthSmileLeft": 0.3},
         {"mouthFunnel": 0.6},
         {"mouthUpperUpLeft": 0.8, "mouthLowerDownRight": 0.5},  # open, but not in the middle

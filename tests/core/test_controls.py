@@ -33,6 +33,7 @@ OTHER_WORDS = {
     "characters/assembly.py": {"upper", "lower"},
     "characters/checklist.py": {"upper_lip", "lower_lip"},
     "characters/names.py": {"upper", "lower"},
+    "characters/other_names.py": {"upper", "lower"},
     "characters/points.py": {"upper_lip", "lower_lip"},
     "lab/evaluation/people/report.py": {"eyelids"},
     "tracking/face_points.py": {"upper_lip", "lower_lip"},
