@@ -8,7 +8,8 @@ one to those of the other: the maximum of the likelihood (Zhu and Yuille, "Regio
 1996), on a line, where all pairs of edges can be compared.
 
 Edges are looked for outside the landmarks: it is there that they are missed. The farther away, the
-less likely. A film that never opens the mouth keeps its landmarks.
+less likely, all the more where the landmarks show a mouth that is shut. A film that never opens the
+mouth keeps its landmarks.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ _FEWEST = 40  # samples inside the mouth
 _LEVELS, _BLUR = 16, 0.7  # of the histograms, in each of three colours
 _LEAST = 2e-5  # the share of colours that were never seen
 _MOST = 3.0  # a colour says no more than that, in logarithms of a mm of it
-_SPREAD = 1.0, 3.0  # mm by which landmarks of upper and lower lip are too far inside
+# Mm by which the landmarks of upper and lower lip are too far inside, in shut and in open mouths.
+_SPREAD = (1.0, 1.0), (1.0, 3.0)
 _INWARD = 0.4  # mm by which they may be too far outside
 
 
@@ -57,6 +59,12 @@ class _Lines:
     places: Doubles
     step: Doubles
 
+    @property
+    def gap(self) -> Doubles:
+        """(T,) mm between the landmarks of the inner edges."""
+        gap: Doubles = (self.places[:, 2] - self.places[:, 1]) * self.step
+        return gap
+
 
 def colors_across(image: Image.Image, points: Doubles) -> Pixels:
     """(SAMPLES, 3) uint8 RGB across the lips, from above to below, of a picture.
@@ -67,13 +75,12 @@ def colors_across(image: Image.Image, points: Doubles) -> Pixels:
     """
     pixels = np.asarray(image)[..., :3]
     starts, ends = _ends(points[None])
-    way = (ends - starts)[0]
-    beside = np.array([-way[1], way[0]]) / np.linalg.norm(way) * _pixels_per_mm(points[None])[0]
+    way, scale = (ends - starts)[0], _pixels_per_mm(points[None])[0]
+    line = starts[0] + np.linspace(0.0, 1.0, SAMPLES)[:, None] * way
+    beside = scale * np.array([-way[1], way[0]]) / max(float(np.linalg.norm(way)), 1e-6)
     total = np.zeros((SAMPLES, 3))
     for aside in _BESIDE:
-        total += _between(
-            pixels, starts[0] + np.linspace(0.0, 1.0, SAMPLES)[:, None] * way + aside * beside
-        )
+        total += _between(pixels, line + aside * beside)
     return np.round(total / len(_BESIDE)).astype(np.uint8)
 
 
@@ -104,6 +111,7 @@ def _edges(lines: _Lines, colors: Pixels) -> Doubles | None:
     outside = np.arange(SAMPLES) < lines.places[:, :1], np.arange(SAMPLES) > lines.places[:, 3:]
     skin = np.where(outside[0] | outside[1], _SKIN, 1.0)
     inside = _likelihood(colors, mouth, np.ones_like(skin))
+    spread = np.stack([np.interp(lines.gap, (0.0, _OPEN), mm) for mm in _SPREAD], axis=1)
     # What each edge gains by lying before a sample: the lip above or below it, the mouth between.
     before = np.arange(SAMPLES + 1) - 0.5
     gains = []
@@ -112,7 +120,7 @@ def _edges(lines: _Lines, colors: Pixels) -> Doubles | None:
         sums = np.cumsum(sign * more * lines.step[:, None], axis=1)
         gain = np.pad(sums, ((0, 0), (1, 0)))
         outward = sign * (lines.places[:, 1 + column, None] - before) * lines.step[:, None]
-        gain -= 0.5 * (outward / _SPREAD[column]) ** 2
+        gain -= 0.5 * (outward / spread[:, column, None]) ** 2
         end = lines.places[:, 3 * column, None]
         gains.append(np.where((outward < -_INWARD) | (sign * (before - end) < 0), -np.inf, gain))
     return _best(gains[0], gains[1], lines.places[:, 1:3])
@@ -133,7 +141,7 @@ def _surely(lines: _Lines) -> tuple[Bools, Bools, Bools]:
     """(T, SAMPLES) each: what is surely upper lip or the skin above, lower lip, and mouth."""
     samples = np.arange(SAMPLES)
     top, above, below, bottom = (place[:, None] for place in lines.places.T)
-    gap = (below - above) * lines.step[:, None]
+    gap = lines.gap[:, None]
     least = float(np.percentile(gap, _TOUCH))
     shut = (gap <= least + _SHUT) & (least < _OPEN)
     middle = (above + below) / 2.0
@@ -150,7 +158,7 @@ def _likelihood(colors: Pixels, some: Bools, weights: Doubles) -> Doubles:
     bins: Indices = (level[..., 0] * _LEVELS + level[..., 1]) * _LEVELS + level[..., 2]
     counts = np.bincount(bins[some], weights=weights[some], minlength=_LEVELS**3)
     smooth = gaussian_filter(counts.reshape((_LEVELS,) * 3), _BLUR, mode="nearest").ravel()
-    likely: Doubles = np.log(smooth[bins] / smooth.sum() + _LEAST)
+    likely: Doubles = np.log(smooth[bins] / max(smooth.sum(), 1.0) + _LEAST)
     return likely
 
 
@@ -158,7 +166,7 @@ def _lines(points: Doubles) -> _Lines:
     """The lines for landmarks (T, 478, 2 or 3)."""
     starts, ends = _ends(points)
     way = ends - starts
-    length = np.linalg.norm(way, axis=1)
+    length = np.maximum(np.linalg.norm(way, axis=1), 1e-6)
     along = np.einsum("tnx,tx->tn", points[:, list(_LINE), :2] - starts[:, None], way)
     places = along / (length**2)[:, None] * (SAMPLES - 1)
     step = length / (SAMPLES - 1) / _pixels_per_mm(points)
