@@ -206,10 +206,11 @@ def evaluate_tracking(
     from faceedit_app.characters.fitted import open_character
     from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.lab.evaluation import tracking
+    from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
-    known = {how.name: how for how in tracking.CONDITIONS}
+    known = {how.name: how for how in CONDITIONS}
     for name in films or ():
         if name not in known:
             raise FaceEditError(f"--film {name}: no film is like that; use {', '.join(known)}")

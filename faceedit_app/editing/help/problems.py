@@ -92,7 +92,7 @@ def find_problems(session: EditSession) -> list[Problem]:
     shown = session.weights, session.achieved
     sure = confidence_of(take)
     if sure is not None:
-        sure = session.moved(sure)
+        sure = session.moved(sure.astype(np.float32)).astype(np.float64)
     return problems_of(take.clip, *shown, rigs, closures_of(session), lost, sure, session.edits)
 
 

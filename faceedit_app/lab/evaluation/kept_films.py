@@ -47,9 +47,16 @@ class KeptFilms:
         if kept is None:
             kept = make()
             memory = io.BytesIO()
-            facts = {"rate": np.array(kept.rate), "size": np.array(kept.size)}
-            arrays = {name: getattr(kept, name) for name in _ARRAYS}
-            np.savez_compressed(memory, **facts, **arrays)
+            np.savez_compressed(
+                memory,
+                rate=np.array(kept.rate),
+                size=np.array(kept.size),
+                times=kept.times,
+                points=kept.points,
+                probabilities=kept.probabilities,
+                colors=kept.colors,
+                lips=np.zeros(0, np.uint8) if kept.lips is None else kept.lips,
+            )
             write_atomically(path, memory.getvalue())
         return kept
 
@@ -69,5 +76,7 @@ def _read(path: Path) -> FilmLandmarks | None:
             rate, size = float(stored["rate"]), stored["size"].tolist()
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
-    film = path, times, rate, None, (size[0], size[1]), points, probabilities, colors, lips
-    return FilmLandmarks(*film)
+    shape = size[0], size[1]
+    return FilmLandmarks(
+        path, times, rate, None, shape, points, probabilities, colors, lips if lips.size else None
+    )
