@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -220,25 +220,31 @@ class _Follower:
         return face
 
     def _look(self, image: Image.Image) -> Face | None:
-        squares = self._landmarker.faces(image)
+        face = self._face_in(image, self._landmarker.faces(image))
+        if face is None and (self._last is None or math.cos(self._last.angle) < 0):
+            face = self._upside_down(image)
+        if face is None:
+            return None
+        # Once more in the square around the landmarks, which is more exact.
+        return self._landmarker.landmarks(image, Square.around(face.points)) or face
+
+    def _face_in(self, image: Image.Image, squares: list[Square]) -> Face | None:
+        """The face that is followed, in one of the squares, the largest first; or None."""
         last = self._last
         if last is not None:  # the same face again, not another one
             squares = [s for s in squares if s.distance_to(last.x, last.y) < _NEAR * last.size]
         elif self._place is not None:
             x, y = self._place
             squares.sort(key=lambda square: square.distance_to(x, y))
-        if not squares:
-            return None
-        face = self._landmarker.landmarks(image, squares[0])
-        if face is None:
-            face = self._upside_down(image, squares[0])
-        if face is None or not math.isfinite(face.probability):
-            return None
-        # Once more in the square around the landmarks, which is more exact.
-        return self._landmarker.landmarks(image, Square.around(face.points)) or face
+        face = self._landmarker.landmarks(image, squares[0]) if squares else None
+        return face if face is not None and math.isfinite(face.probability) else None
 
-    def _upside_down(self, image: Image.Image, square: Square) -> Face | None:
-        """A face that stands on its head, which the detector finds without seeing that."""
-        turned = replace(square, angle=square.angle + math.pi)
-        face = self._landmarker.landmarks(image, turned)
+    def _upside_down(self, image: Image.Image) -> Face | None:
+        """A face that is upside down, which the networks do not find, or not where it is."""
+        width, height = image.size
+        squares = [
+            Square(width - found.x, height - found.y, found.size, found.angle + math.pi)
+            for found in self._landmarker.faces(image.transpose(Image.Transpose.ROTATE_180))
+        ]
+        face = self._face_in(image, squares)
         return face if face is not None and face.probability > _CERTAIN else None
