@@ -58,7 +58,7 @@ def test_films_without_a_closure_have_no_rates() -> None:
 
 
 def test_an_unknown_film_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(FaceEditError, match="--film planar: .*plain, turned by 20°"):
+    with pytest.raises(FaceEditError, match=r"--film planar: .*plain, turned by 20°"):
         laboratory.evaluate_tracking([], films=["planar"])
 
 
