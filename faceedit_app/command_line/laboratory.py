@@ -194,20 +194,34 @@ def evaluate_tracking(
         Paths,
         typer.Option("--character", help="A character that plays the takes too; repeatable."),
     ] = None,
+    films: Annotated[
+        Texts, typer.Option("--film", help="Only films like this, such as 'plain'; repeatable.")
+    ] = None,
+    keep: Annotated[
+        OptionalPath,
+        typer.Option("--keep", help="Keep what was seen in the films here, and use it again."),
+    ] = None,
 ) -> None:
     """Render films of takes, track them, and measure what was found."""
     from faceedit_app.characters.fitted import open_character
     from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.lab.evaluation import tracking
+    from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
+    known = {how.name: how for how in CONDITIONS}
+    for name in films or ():
+        if name not in known:
+            raise FaceEditError(f"--film {name}: no film is like that; use {', '.join(known)}")
     with bar("Rendering and tracking") as advance:
         figures = tracking.evaluate_tracking(
             paths,
             seconds,
+            [known[name] for name in films or known],
             progress=advance,
             characters=[shipped_rig(), *(open_character(path).rig for path in character or ())],
+            keep=keep,
         )
     if output is not None:
         text = json.dumps(tracking.as_json(figures), indent=2) + "\n"

@@ -150,7 +150,14 @@ class EditSession(EditHistory):
     def edited_clip(self) -> Clip:
         """The take's clip with the edits."""
         turns = self.rotations.copy() if self.rotations is not None else None
-        return replace(self.take.clip, weights=self.clip_weights(), rotations=turns)
+        clip, sure = self.take.clip, self.take.clip.confidence
+        if sure is not None:
+            sure = self.moved(sure)
+        return replace(clip, weights=self.clip_weights(), rotations=turns, confidence=sure)
+
+    def moved(self, values: Floats) -> Floats:
+        """(T,) values of the frames, such as confidence, at the moments that retimes show."""
+        return self._solver.moved(self.edits, values)
 
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
@@ -168,7 +175,8 @@ class EditSession(EditHistory):
         """
         weights, lost = self.clip_weights(), self.take.lost_rows
         found = self._solver.found(lost, self.edits, self.weights) if lost is not None else None
-        content = encoded_take(path, self.take, weights, found, self.rotations)
+        sure = self.edited_clip().confidence
+        content = encoded_take(path, self.take, weights, found, self.rotations, sure)
         backup = make_way(Path(path), self.take.path, overwrite)
         if is_same_file(Path(path), self.take.path):
             self.exported_over = fingerprint_of_content(content)

@@ -40,7 +40,7 @@ def convert(
     """
     clip = take.clip if edited is None else edited
     if form.name == take.kind and (rate is None or rate == clip.rate):
-        write_take(path, take, clip.weights, clip.rotations)
+        write_take(path, take, clip.weights, clip.rotations, clip.confidence)
         return clip
     assert form.write is not None
     clip = resampled(clip, rate, fill_gaps=not form.tells_times)

@@ -19,6 +19,7 @@ from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.numbers import detect_format
 
+_LEAST_SURE = 1e-3
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
 
@@ -94,6 +95,15 @@ class CsvSource:
     def rotated(self, tracked: Floats, edited: Floats) -> CsvSource:
         """The source with other rotations; see `take.RotatingSource.rotated`."""
         lines = tuple(self._lines(self.turns, 1.0, tracked, edited))
+        return replace(self, table=replace(self.table, lines=lines))
+
+    def as_sure(self, tracked: Floats, edited: Floats) -> CsvSource:
+        """The source with other confidence; see `take.SureSource.as_sure`."""
+        if self.confidence is None:
+            return self
+        # 0 would mean a row without a face.
+        new = np.where(edited == tracked, tracked, np.maximum(edited, _LEAST_SURE))
+        lines = tuple(self._lines((self.confidence,), 1.0, tracked[:, None], new[:, None]))
         return replace(self, table=replace(self.table, lines=lines))
 
     def _lines(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.formats.take import FillableSource, RotatingSource, Source, Take
+from faceedit_app.formats.take import FillableSource, RotatingSource, Source, SureSource, Take
 
 _SAMPLE = 256  # bytes that show whether every second one is 0
 _FEWEST = 8
@@ -59,6 +59,12 @@ class RecodedSource:
         if not isinstance(self.source, RotatingSource):
             return self
         return replace(self, source=self.source.rotated(tracked, edited))
+
+    def as_sure(self, tracked: Floats, edited: Floats) -> RecodedSource:
+        """See `take.SureSource.as_sure`."""
+        if not isinstance(self.source, SureSource):
+            return self
+        return replace(self, source=self.source.as_sure(tracked, edited))
 
     def with_faces(self, weights: Floats) -> RecodedSource:
         """See `take.FillableSource.with_faces`."""

@@ -82,7 +82,8 @@ def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> byte
         lost: (L,) times of lost frames, seconds on the clip's clock.
     """
     begin = start_of_day(clip.timecodes) if clip.timecodes else _begin(clip.rate)
-    frames = zip((begin + clip.times).tolist(), clip.arkit_weights(), rotations, strict=True)
+    times = begin + clip.times + _measured(clip.times)
+    frames = zip(times.tolist(), clip.arkit_weights(), rotations, strict=True)
     lines = [(time, frame_line(time, row, turns)) for time, row, turns in frames]
     header = header_line()
     if clip.confidence is not None:
@@ -104,6 +105,22 @@ def _begin(rate: float) -> float:
     """
     is_broadcast = abs(rate - round(rate)) > _WHOLE and abs(rate * 1.001 % 1 - 0.5) > 0.5 - _WHOLE
     return 0.5 / DEFAULT_BASE if is_broadcast else 0.0
+
+
+def _measured(times: Times) -> Times:
+    """(T,) seconds to add to times that are uneven, but whole frames of the timecode.
+
+    They would be read as those of a clock that was rounded to frames, and be made even. A
+    thousandth of a frame in every second row says that they were measured.
+    """
+    frames = np.diff(times) * DEFAULT_BASE
+    if not len(frames) or not np.allclose(frames, np.round(frames), rtol=0, atol=1e-3):
+        return np.zeros(len(times))
+    steps = frames / np.median(frames)
+    is_even = np.allclose(steps, np.round(steps), rtol=0, atol=1e-2)
+    thousandth = 0.0 if is_even else 1e-3 / DEFAULT_BASE
+    added: Times = thousandth * (np.arange(len(times)) % 2)
+    return added
 
 
 def header_line() -> str:

@@ -14,7 +14,7 @@ from faceedit_app.formats.encodings import as_utf8, recoded
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.rates import exact_rate
 from faceedit_app.formats.registry import recognise
-from faceedit_app.formats.take import FillableSource, RotatingSource, Take
+from faceedit_app.formats.take import FillableSource, RotatingSource, SureSource, Take
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
 
@@ -50,18 +50,22 @@ def checked_rate(path: Path, fps: float) -> float:
 
 
 def write_take(
-    path: Path | str, take: Take, weights: Floats, rotations: Floats | None = None
+    path: Path | str,
+    take: Take,
+    weights: Floats,
+    rotations: Floats | None = None,
+    confidence: Floats | None = None,
 ) -> None:
     """Export a take with other weights (T, K), in the format of its source.
 
-    Rotations, (T, 9) as in `Clip.rotations`, are those of the take if they are None.
+    Rotations, (T, 9), and confidence, (T,), as in `Clip`, are those of the take if they are None.
 
     The file is replaced as a whole, so exporting over the source itself is safe.
 
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
-    write_atomically(path, encoded_take(path, take, weights, rotations=rotations))
+    write_atomically(path, encoded_take(path, take, weights, None, rotations, confidence))
 
 
 def encoded_take(
@@ -70,6 +74,7 @@ def encoded_take(
     weights: Floats,
     found: Floats | None = None,
     rotations: Floats | None = None,
+    confidence: Floats | None = None,
 ) -> bytes:
     """What `write_take` writes.
 
@@ -79,6 +84,7 @@ def encoded_take(
         weights: (T, K).
         found: (L, K) for its `lost_rows`; a row of NaN stays without a face.
         rotations: (T, 9) as in `Clip.rotations`; None = those of the take.
+        confidence: (T,) as in `Clip.confidence`; None = that of the take.
 
     Raises:
         FileError: a weight is not a finite number.
@@ -96,6 +102,9 @@ def encoded_take(
     source, tracked = take.source, take.clip.rotations
     if rotations is not None and tracked is not None and isinstance(source, RotatingSource):
         source = source.rotated(tracked, rotations)
+    sure = take.clip.confidence
+    if confidence is not None and sure is not None and isinstance(source, SureSource):
+        source = source.as_sure(sure, confidence)
     if found is not None and isinstance(source, FillableSource):
         source = source.with_faces(found)
     return source.encode(take.clip.weights, weights.astype(np.float32))

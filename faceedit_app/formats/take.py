@@ -57,6 +57,15 @@ class RotatingSource(Source, Protocol):
 
 
 @runtime_checkable
+class SureSource(Source, Protocol):
+    """A source that also says how sure a tracker was."""
+
+    def as_sure(self, tracked: Floats, edited: Floats) -> Source:
+        """The source with the confidence of `edited` (T,) in place of `tracked` (T,)."""
+        ...
+
+
+@runtime_checkable
 class FillableSource(Source, Protocol):
     """A source with rows in which the face was lost."""
 

@@ -15,13 +15,21 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.media.container import check, film_stream, opened
 from faceedit_app.media.film import Film
 from faceedit_app.tracking.hidden import colors_at
-from faceedit_app.tracking.landmarker import LANDMARKS, Face, FaceLandmarker, Square
+from faceedit_app.tracking.landmarker import (
+    LANDMARKS,
+    OUTER_EYES,
+    Face,
+    FaceLandmarker,
+    Square,
+)
+from faceedit_app.tracking.lips import SAMPLES, colors_across
 
 _SLOWEST = 8.0  # pictures per second; speech has closures of a tenth of a second
 _FEWEST = 8
 _LARGEST = 4096  # pixels of the longest side
 _PICTURES = ("image2", "gif", "apng", "webp_pipe", "_pipe")
 _PAUSE = 8.0  # times the usual step between pictures
+_CERTAIN = 0.9  # probability of a face that is upside down, which is rare
 _NEAR = 0.75  # of a face's size; where it is looked for after it was lost
 
 
@@ -59,6 +67,7 @@ class FilmLandmarks:
         points: (F, 478, 3) as `Face.points`; NaN where the face was not found.
         probabilities: (F,) as `Face.probability`; 0 where it was not found.
         colors: (F, 478, 3) uint8, see `colors_at`; 0 where it was not found.
+        lips: (F, SAMPLES, 3) uint8, see `colors_across`; 0 where it was not found; None = unknown.
     """
 
     path: Path
@@ -69,6 +78,28 @@ class FilmLandmarks:
     points: Doubles
     probabilities: Doubles
     colors: Pixels
+    lips: Pixels | None = None
+
+    @property
+    def quarter_turns(self) -> int:
+        """0..3: by how many the face is turned clockwise in the film, by most of its pictures."""
+        right, left = (self.points[self.probabilities > 0, number, :2] for number in OUTER_EYES)
+        across, down = np.median((left - right) / np.linalg.norm(left - right, axis=1)[:, None], 0)
+        return round(math.atan2(down, across) / (math.pi / 2.0)) % 4
+
+    @property
+    def upright(self) -> Doubles:
+        """(F, 478, 3) `points`, turned around the picture's middle until the face is upright."""
+        turns = self.quarter_turns
+        if not turns:
+            return self.points
+        cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns]
+        middle = 0.5 * np.array(self.size)
+        points = self.points.copy()
+        points[..., :2] = middle + (points[..., :2] - middle) @ np.array(
+            [[cosine, -sine], [sine, cosine]]
+        )
+        return points
 
 
 def read_landmarks(
@@ -106,6 +137,7 @@ def read_landmarks(
     points = np.full((len(film), LANDMARKS, 3), np.nan)
     probabilities = np.zeros(len(film))
     colors = np.zeros((len(film), LANDMARKS, 3), np.uint8)
+    lips = np.zeros((len(film), SAMPLES, 3), np.uint8)
     follower: _Follower | None = None
     try:
         for index in range(len(film)):
@@ -122,6 +154,7 @@ def read_landmarks(
             if found is not None:
                 points[index], probabilities[index] = found.points, found.probability
                 colors[index] = colors_at(image, found.points)
+                lips[index] = colors_across(image, found.points)
             seen = None if found is None else found.points[:, :2]
             report(Progress("Finding the face", index + 1, len(film), picture, seen))
     finally:
@@ -129,7 +162,15 @@ def read_landmarks(
     if not probabilities.any():
         raise FileError(path, "shows no face", "use a film in which a face looks at the camera")
     return FilmLandmarks(
-        path, film.times, rate, film.timecode, image.size, points, probabilities, colors
+        path,
+        film.times,
+        rate,
+        film.timecode,
+        image.size,
+        points,
+        probabilities,
+        colors,
+        lips,
     )
 
 
@@ -179,17 +220,31 @@ class _Follower:
         return face
 
     def _look(self, image: Image.Image) -> Face | None:
-        squares = self._landmarker.faces(image)
+        face = self._face_in(image, self._landmarker.faces(image))
+        if face is None and (self._last is None or math.cos(self._last.angle) < 0):
+            face = self._upside_down(image)
+        if face is None:
+            return None
+        # Once more in the square around the landmarks, which is more exact.
+        return self._landmarker.landmarks(image, Square.around(face.points)) or face
+
+    def _face_in(self, image: Image.Image, squares: list[Square]) -> Face | None:
+        """The face that is followed, in one of the squares, the largest first; or None."""
         last = self._last
         if last is not None:  # the same face again, not another one
             squares = [s for s in squares if s.distance_to(last.x, last.y) < _NEAR * last.size]
         elif self._place is not None:
             x, y = self._place
             squares.sort(key=lambda square: square.distance_to(x, y))
-        if not squares:
-            return None
-        face = self._landmarker.landmarks(image, squares[0])
-        if face is None or not math.isfinite(face.probability):
-            return None
-        # Once more in the square around the landmarks, which is more exact.
-        return self._landmarker.landmarks(image, Square.around(face.points)) or face
+        face = self._landmarker.landmarks(image, squares[0]) if squares else None
+        return face if face is not None and math.isfinite(face.probability) else None
+
+    def _upside_down(self, image: Image.Image) -> Face | None:
+        """A face that is upside down, which the networks do not find, or not where it is."""
+        width, height = image.size
+        squares = [
+            Square(width - found.x, height - found.y, found.size, found.angle + math.pi)
+            for found in self._landmarker.faces(image.transpose(Image.Transpose.ROTATE_180))
+        ]
+        face = self._face_in(image, squares)
+        return face if face is not None and face.probability > _CERTAIN else None

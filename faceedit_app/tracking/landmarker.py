@@ -34,7 +34,7 @@ _SMALL, _LARGE = 128, 256  # pixels of the networks' input
 _MARGIN = 2.0  # of the detector's box
 _AROUND = 1.5  # of the box around landmarks
 _SAME = 0.4  # share of a face's size within which two detections are the same face
-_OUTER_EYES = 33, 263
+OUTER_EYES = 33, 263
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Square:
     @classmethod
     def around(cls, points: Doubles) -> Square:
         """A square around landmarks (478, 2 or 3), level with the eyes."""
-        right, left = (points[number, :2] for number in _OUTER_EYES)
+        right, left = (points[number, :2] for number in OUTER_EYES)
         angle = math.atan2(left[1] - right[1], left[0] - right[0])
         turn = _rotation(-angle)
         upright = points[:, :2] @ turn.T

@@ -24,6 +24,7 @@ from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report
 from faceedit_app.tracking.fit import DEFAULT, Fit, FitSettings, fit_weights
 from faceedit_app.tracking.hidden import seen_share
 from faceedit_app.tracking.landmarker import FaceLandmarker
+from faceedit_app.tracking.lips import with_lip_edges
 from faceedit_app.tracking.person import Person, find_person
 
 SURE = 0.5  # confidence below which a picture is a gap
@@ -43,7 +44,7 @@ class Tracked:
     """What was tracked in a film of F pictures.
 
     Attributes:
-        landmarks: what was seen.
+        landmarks: what was seen, with the edges of the lips where their colours end.
         weights: (F, 52) in ARKit's order; 0 where there is no face.
         head: (F, 3) yaw, pitch and roll of the head, radians, as `Poses.angles`.
         confidence: (F,) 0..1; frames below `SURE` are gaps.
@@ -84,7 +85,11 @@ class Tracked:
             notes.append(f"{lost} of {len(self.sure)} pictures show the face badly: they are gaps")
         if self.person.is_ajar:
             notes.append("the lips never touch: how far they are open is less exact")
-        tall = np.nanmedian(np.ptp(self.landmarks.points[..., 1], axis=1))
+        turns = self.landmarks.quarter_turns
+        if turns:
+            way = ("", "on its left side", "upside down", "on its right side")[turns]
+            notes.append(f"the face is {way} in the film: it was tracked as if it were upright")
+        tall = np.nanmedian(np.ptp(self.landmarks.upright[..., 1], axis=1))
         if tall < _SMALL_FACE:
             notes.append(f"the face is only {tall:.0f} pixels high: lips and lids are less exact")
         return tuple(notes)
@@ -183,7 +188,11 @@ def fit_landmarks(
             f"shows a face in only {counted(len(found), 'picture')}",
             "use a film in which a face looks at the camera, the right way up",
         )
-    seen = film.points[found][:, model.numbers] * (1.0, -1.0, -1.0)
+    if film.lips is not None:
+        points = film.points.copy()
+        points[found] = with_lip_edges(points[found], film.lips[found])
+        film = replace(film, points=points)
+    seen = film.upright[found][:, model.numbers] * (1.0, -1.0, -1.0)
     middle = 0.5 * np.array(film.size) * (1.0, -1.0)
     good = film.probabilities[found] > _GOOD
     if good.sum() < _FEWEST:

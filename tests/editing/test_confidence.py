@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,14 @@ from support.takes import make_livelink_csv
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.clip import Clip, Gap
-from faceedit_app.editing.edits.edit import Op
+from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.confidence import confidence_of
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
 from faceedit_app.editing.opening import open_session
 from faceedit_app.editing.session import EditSession
-from faceedit_app.formats import livelink
+from faceedit_app.formats import csv_take, livelink
+from faceedit_app.formats.opening import open_take
 from faceedit_app.tracking.film_landmarks import FilmLandmarks
 from faceedit_app.tracking.landmark_file import beside, write_landmarks
 from faceedit_app.tracking.person import Person
@@ -118,3 +121,26 @@ def test_the_takes_own_column_needs_no_file_beside_it(tmp_path: Path) -> None:
     (problem,) = unsure(session)  # what is 0 has been filled
     assert problem.start == pytest.approx(10 / 25.0)
     assert problem.end == pytest.approx(14 / 25.0)
+
+
+@pytest.mark.parametrize("write", [livelink.write, csv_take.write])
+def test_confidence_moves_with_a_retime(tmp_path: Path, write: Callable[[Clip], bytes]) -> None:
+    times = np.arange(100) / 25.0
+    sure = np.ones(100, np.float32)
+    sure[50:55] = 0.6  # at 2.0 to 2.16 s
+    clip = Clip(np.zeros((100, 52), np.float32), ARKIT_CHANNELS, times, 25.0, confidence=sure)
+    path = tmp_path / "take.csv"
+    path.write_bytes(write(clip))
+    session = open_session(path, shipped_rig())
+    later = Edit(CONTROL_IDS, Op.RETIME, 1.0, 3.6, 0.0, pins=((2.0, 2.4), (2.2, 2.6)))
+    session.add(later)
+    (problem,) = unsure(session)
+    assert problem.start == pytest.approx(2.4, abs=0.05)
+    session.export(tmp_path / "out.csv")
+    found = open_take(tmp_path / "out.csv").clip.confidence
+    assert found is not None
+    assert found[60:65].max() < 0.7
+    assert found[48:57].min() > 0.9
+    before, after = (p.read_bytes().splitlines() for p in (path, tmp_path / "out.csv"))
+    outside = [*range(24), *range(93, 101)]
+    assert [before[row] for row in outside] == [after[row] for row in outside]

@@ -374,3 +374,17 @@ def test_rotations_and_lost_frames_are_written(tmp_path: Path) -> None:
     take = open_take(path)
     assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(4, 1)]
     assert "RightEyeRoll" in take.carried
+
+
+@pytest.mark.parametrize("steps", [(1, 2), (1, 2, 4), (2, 3)])
+def test_uneven_times_of_whole_frames_stay_as_they_are(
+    tmp_path: Path, steps: tuple[int, ...]
+) -> None:
+    """A film may have a varying number of pictures a second, all of them on a grid of 60."""
+    frames = np.random.default_rng(1).choice(steps, 60)
+    times = np.concatenate([[0.0], np.cumsum(frames)[:-1]]) / 60.0
+    path = tmp_path / "take.csv"
+    path.write_bytes(
+        livelink.write(Clip(np.zeros((60, 52), np.float32), ARKIT_CHANNELS, times, 30.0))
+    )
+    np.testing.assert_allclose(open_take(path).clip.times, times, atol=1e-4)

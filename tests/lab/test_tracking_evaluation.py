@@ -11,9 +11,11 @@ from support.face_films import speaking
 from support.faces import shipped_rig
 from support.tracker import needs_tracker
 
+from faceedit_app.command_line import laboratory
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIP_OPENING, MOUTH_WIDTH
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats import livelink
 from faceedit_app.lab.evaluation.rendered_films import Conditions, Truth, kept_open
 from faceedit_app.lab.evaluation.tracking import (
@@ -53,6 +55,11 @@ def test_films_without_a_closure_have_no_rates() -> None:
     (facts,) = as_json([one])
     assert facts["lips"] == [None, None]
     assert facts["lids"] == [1.0, 0.1]
+
+
+def test_an_unknown_film_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(FaceEditError, match=r"--film planar: .*plain, turned by 20°"):
+        laboratory.evaluate_tracking([], films=["planar"])
 
 
 @needs_tracker

@@ -74,6 +74,25 @@ def test_a_turned_head_turns_the_take(tmp_path: Path) -> None:
     assert np.degrees(np.median(yaw[12:]) - np.median(yaw[:12])) == pytest.approx(18.0, abs=4.0)
 
 
+@pytest.mark.parametrize(("turns", "way"), [(1, "on its right side"), (2, "upside down")])
+def test_a_film_that_lies_on_its_side_or_head_is_tracked_upright(
+    tmp_path: Path,
+    pictures: list[NDArray[np.uint8]],
+    tracked: Tracked,
+    turns: int,
+    way: str,
+) -> None:
+    lying = [np.ascontiguousarray(np.rot90(picture, turns)) for picture in pictures]
+    found = track_film(make_face_film(tmp_path / "lying.mp4", lying), shipped_rig())
+    assert any(f"{way} in the film" in note for note in found.notes)
+    assert not any("in the film" in note for note in tracked.notes)
+    seen = found.sure
+    assert seen.sum() >= len(pictures) - 2
+    assert np.degrees(np.abs(found.head - tracked.head)[seen]).max() < 3.0
+    away = np.abs(controls_of(found.weights) - controls_of(tracked.weights))[seen]
+    assert away[:, CONTROL_INDEX["mouth_opening"]].mean() < 0.5
+
+
 def test_the_same_film_gives_the_same_bytes(film: Path, tracked: Tracked) -> None:
     assert track_film(film, shipped_rig()).to_livelink() == tracked.to_livelink()
 

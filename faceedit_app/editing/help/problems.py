@@ -90,9 +90,10 @@ def find_problems(session: EditSession) -> list[Problem]:
     take, rigs = session.take, (session.rig, session.shown_rig)
     lost = take.lost_rows.positions if take.lost_rows is not None else ()
     shown = session.weights, session.achieved
-    return problems_of(
-        take.clip, *shown, rigs, closures_of(session), lost, confidence_of(take), session.edits
-    )
+    sure = confidence_of(take)
+    if sure is not None:
+        sure = session.moved(sure.astype(np.float32)).astype(np.float64)
+    return problems_of(take.clip, *shown, rigs, closures_of(session), lost, sure, session.edits)
 
 
 def problems_of(

@@ -113,6 +113,18 @@ class Fills:
                     self._mix(edit, out, near, rows, columns, new, tracked)
         return out
 
+    def moved(self, edits: Sequence[Edit], values: Floats) -> Floats:
+        """(T,) values of the frames, at the moments that the retimes among `edits` show.
+
+        Args:
+            values: (T,) without units, such as confidence.
+        """
+        out, near = values[:, None].copy(), slice(0, len(values))
+        for edit in _acting(edits):
+            if edit.op is Op.RETIME:
+                _put(out, self._retiming.values(edit, out, near))
+        return np.clip(out[:, 0], values.min(), values.max())
+
     def _rows(self, edit: Edit, near: slice) -> slice | None:
         """Where an edit acts among the frames `near`; None = nowhere."""
         first, stop = fill_frames(self._clip.times, edit.span)

@@ -85,11 +85,16 @@ class Retiming:
 
     def rotations(self, edit: Edit, out: Floats, near: slice) -> tuple[slice, Doubles] | None:
         """The retimed rotations (N, 9), radians, and their place; see `weights`."""
+        return self.values(edit, np.unwrap(out.astype(np.float64), axis=0), near)
+
+    def values(
+        self, edit: Edit, out: Floats | Doubles, near: slice
+    ) -> tuple[slice, Doubles] | None:
+        """The retimed values (N, K) of `out` (N', K), and their place; see `weights`."""
         rows = self._rows(edit, near)
         if rows is None:
             return None
-        turns = np.unwrap(out.astype(np.float64), axis=0)
-        found = self._sampled(turns, near, clock_of(edit).mixed(self._times[rows]))
+        found = self._sampled(out, near, clock_of(edit).mixed(self._times[rows]))
         return slice(rows.start - near.start, rows.stop - near.start), found
 
     def _rows(self, edit: Edit, near: slice) -> slice | None:

@@ -225,6 +225,10 @@ class Solver:
         columns = [ARKIT_INDEX[c] for c in self.clip.channels]
         return self._fills.found(active(divided(edits)[0]), lost.positions, weights)[:, columns]
 
+    def moved(self, edits: Sequence[Edit], values: Floats) -> Floats:
+        """(T,) values of the frames, such as confidence, at the moments that retimes show."""
+        return self._fills.moved(active(divided(edits)[0]), values)
+
     def solve(self, task: Task) -> Patch:
         """Compute one chunk."""
         return self._edit_channels(task) if isinstance(task, ChannelTask) else self._answered(task)

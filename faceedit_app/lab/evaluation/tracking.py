@@ -11,6 +11,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import shipped_rig
+from faceedit_app.lab.evaluation.kept_films import KeptFilms
 from faceedit_app.lab.evaluation.metrics import closures
 from faceedit_app.lab.evaluation.rendered_films import (
     CONDITIONS,
@@ -111,6 +113,7 @@ def evaluate_tracking(
     conditions: Sequence[Conditions] = CONDITIONS,
     progress: Callable[[int, int], None] = lambda done, of: None,
     characters: Sequence[Rig] = (),
+    keep: Path | None = None,
 ) -> list[TrackingFigures]:
     """Render films of takes, track them, and compare.
 
@@ -120,12 +123,13 @@ def evaluate_tracking(
         conditions: how the films are taken.
         progress: films done, and films in all.
         characters: who plays the takes; none = the shipped one.
+        keep: a folder for what was seen in the films, which is then not rendered again.
 
     Raises:
-        FileError: a take cannot be read.
+        FileError: a take cannot be read, or `keep` not written.
         Unavailable: OpenGL, an encoder or LiteRT is missing.
     """
-    rig = shipped_rig()
+    rig, kept = shipped_rig(), KeptFilms(keep)
     model, landmarker, network = FaceModel.of(rig), FaceLandmarker(threads=2), BlendshapeNetwork()
     films = [(actor, how) for actor in characters or (rig,) for how in conditions]
     figures = []
@@ -134,7 +138,8 @@ def evaluate_tracking(
         for index, take in enumerate(takes):
             truth = truth_of(take, seconds, how.rate, rig)
             truth = kept_open(truth) if how.is_ajar else truth
-            film = _film(actor, truth, how, landmarker)
+            make = partial(_film, actor, truth, how, landmarker)
+            film = kept.of(actor, truth, how, make)
             shown = actor.arkit_distances.measure(truth.weights)
             for method, weights, lost in _tracked(film, model, network):
                 found[method].append((rig.arkit_distances.measure(weights), shown, lost))
