@@ -34,7 +34,9 @@ _PREFIX = re.compile(
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
 _LONGEST = 200  # characters; a longer text is not a name
-_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores", "val"}
+_NUMBER_WORDS = {
+    *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
+}
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 

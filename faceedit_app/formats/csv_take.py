@@ -14,15 +14,25 @@ from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
-from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
+from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
+from faceedit_app.formats.lost_faces import flag_column, is_count, letters
+from faceedit_app.formats.stated_rate import (
+    Stated,
+    names_rate,
+    rate_in_column,
+    rate_in_lines,
+    settled,
+)
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import TRACKED, RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
+from faceedit_app.formats.weights import PERCENT
 
-_COUNTS = ("blendshapecount", "numproperties")
+_FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
+_PERCENT = re.compile(r"[\[(]?(?:%|percent|pct|0\s*(?:-|\.\.|to)\s*100)[\])]?", re.IGNORECASE)
 CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
@@ -76,37 +86,45 @@ class _Places:
     Attributes:
         clocks: columns of times.
         turns: those of `ROTATIONS`, in that order.
-        count: what says whether a row has a face.
-        said: `count`, if it is the number of blendshapes.
+        flag: what says whether a row has a face.
+        said: `flag`, if it is the number of blendshapes.
         confidence: how sure the tracker was.
+        rate: the frame rate.
     """
 
     clocks: list[int]
     turns: list[int]
-    count: int | None
+    flag: int | None
     said: int | None
     confidence: int | None
+    rate: int | None
 
     @classmethod
     def of(cls, table: Table, channels: Columns) -> _Places:
         """Find them by their names."""
         lower = [column.lower() for column in table.names]
-        letters = [re.sub(r"[\W_]", "", name) for name in lower]
-        count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
+        bare = [letters(name) for name in lower]
+        flag = flag_column(table.names)
         turns = [lower.index(name) for name in ROTATIONS if name in lower]
         return cls(
             clocks=[k for k in time_columns(table.names) if k not in channels.indices],
             turns=turns if len(turns) == len(ROTATIONS) else [],
-            count=count,
-            said=count if count is not None and letters[count] in _COUNTS else None,
-            confidence=letters.index(CONFIDENCE) if CONFIDENCE in letters else None,
+            flag=flag,
+            said=flag if flag is not None and is_count(table.names[flag]) else None,
+            confidence=bare.index(CONFIDENCE) if CONFIDENCE in bare else None,
+            rate=next((k for k, name in enumerate(lower) if names_rate(name)), None),
         )
 
     @property
     def texts(self) -> list[int]:
         """The columns that are read as texts, in the order in which they are read."""
-        last = [place for place in (self.confidence, self.count) if place is not None]
-        return [*self.clocks, *self.turns, *last]
+        last = (self.rate, self.confidence, self.flag)
+        return [*self.clocks, *self.turns, *(place for place in last if place is not None)]
+
+    def cells(self, rows: Rows, column: int) -> list[str]:
+        """The texts of the frames in one of these columns."""
+        place = self.texts.index(column)
+        return [rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist()]
 
 
 def csv_take(
@@ -127,27 +145,28 @@ def csv_take(
         FileError: it has no channels, or is damaged.
     """
     found = find_channels(table, naming)
+    table, faces = _one_face(table)
     places = _Places.of(table, found)
-    rows = table.read(places.texts, found.indices, places.count)
+    rows = table.read(places.texts, found.indices, places.flag)
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
-    times = _times(table, places.clocks, rows)
+    times = _times(table, places, rows)
     used = {times.column, places.said, *columns.indices}
     carried = [name for k, name in enumerate(table.names) if k not in used]
+    frames = np.flatnonzero(~rows.lost)
     recording = Recording(
         path=table.path,
         format=name or _NAMES[times.kind],
         channels=columns.channels,
         values=rows.numbers[:, ~empty],
-        timing=times.timing,
+        timing=settled(times.timing, _stated(table, places, rows), frames),
         lost=rows.lost,
-        timecodes=_timecodes(places.clocks, rows, times),
+        timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried),
-        notes=(*_empty_notes(found, columns), *_count_notes(table, rows, places.said)),
-        rotations=_rotations(rows, len(places.clocks)) if places.turns else None,
-        confidence=None
-        if places.confidence is None
-        else _confidence(rows, len(places.clocks) + len(places.turns)),
+        notes=(*faces, *_empty_notes(found, columns), *_count_notes(table, places, rows)),
+        rotations=_rotations(places, rows),
+        confidence=_confidence(places, rows),
+        scale=PERCENT if _is_percent(table, columns, rows) else None,
     )
     source = partial(
         CsvSource,
@@ -156,7 +175,7 @@ def csv_take(
         columns.indices,
         turns=tuple(places.turns),
         lost=rows.lost_lines,
-        count=places.count,
+        flag=places.flag,
         confidence=places.confidence,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
@@ -173,37 +192,72 @@ def _positions(rows: Rows) -> tuple[float, ...]:
     return tuple((before + (place + 1) / (counts[before] + 1)).tolist())
 
 
-def _times(table: Table, clocks: list[int], rows: Rows) -> RowTimes:
-    frames = np.flatnonzero(~rows.lost).tolist()
-    cells = [[rows.texts[row][k] for row in frames] for k in range(len(clocks))]
-    if not frames:
+def _one_face(table: Table) -> tuple[Table, tuple[str, ...]]:
+    """The table without the rows of other faces than the first, with a note about them.
+
+    A tracker may also number a face that it has found again; then no time comes twice.
+    """
+    column = next((k for k, name in enumerate(table.names) if letters(name) in _FACES), None)
+    clocks = [k for k in time_columns(table.names) if k != column]
+    if column is None or not clocks:
+        return table, ()
+    needed = max(column, clocks[0])
+    rows = [cells for _, cells in table.rows() if len(cells) > needed]
+    faces = [plain_text(cells[column]) for cells in rows]
+    moments = {cells[clocks[0]] for cells in rows}
+    if len(set(faces)) < 2 or len(moments) == len(rows):
+        return table, ()
+    name, first = shown(table.names[column]), next(filter(None, faces), "")
+    note = f"has rows of {len(set(faces))} faces: those with {shown(first)} as {name} are read"
+    return replace(table, face=(column, first)), (note,)
+
+
+def _times(table: Table, places: _Places, rows: Rows) -> RowTimes:
+    if rows.lost.all():
         return RowTimes(NoTimes("has no row with a tracked face"))
-    return read_times(table, clocks, cells, rows.lines)
+    cells = [places.cells(rows, column) for column in places.clocks]
+    return read_times(table, places.clocks, cells, rows.lines)
 
 
-def _timecodes(clocks: list[int], rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
+def _stated(table: Table, places: _Places, rows: Rows) -> Stated | None:
+    """The frame rate that a column or the lines before the header state."""
+    if places.rate is not None:
+        return rate_in_column(table.names[places.rate], places.cells(rows, places.rate))
+    before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
+    return rate_in_lines(before)
+
+
+def _is_percent(table: Table, columns: Columns, rows: Rows) -> bool:
+    """Whether cells, names or a row of units say that the weights are percent."""
+    said = [unit for unit in rows.units if unit]
+    if not said:  # the end of each name
+        said = [re.split(r"[\s_]+|(?=[\[(])", table.names[k])[-1] for k in columns.indices]
+    return table.percent or (bool(said) and all(map(_PERCENT.fullmatch, said)))
+
+
+def _timecodes(places: _Places, rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
     if times.kind != "timecode" or times.column is None:
         return None
-    place = clocks.index(times.column)
-    return tuple(rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist())
+    return tuple(places.cells(rows, times.column))
 
 
-def _rotations(rows: Rows, start: int) -> Floats | None:
-    """(T, 9) of the text columns from `start`; None if a cell is not a number."""
-    frames = np.flatnonzero(~rows.lost).tolist()
+def _rotations(places: _Places, rows: Rows) -> Floats | None:
+    """(T, 9) of `ROTATIONS`; None if there are none, or a cell is not a number."""
     try:
-        cells = [rows.texts[row][start : start + len(ROTATIONS)] for row in frames]
-        found = np.array(cells, np.float64).astype(np.float32)
+        cells = [places.cells(rows, column) for column in places.turns]
+        found = np.array(cells, np.float64).T.astype(np.float32)
     except ValueError:
         return None
-    return found if np.isfinite(found).all() else None
+    return found if cells and np.isfinite(found).all() else None
 
 
-def _confidence(rows: Rows, place: int) -> Floats | None:
-    """(T,) of a text column; None if it holds something else than numbers from 0 to 1."""
-    frames = np.flatnonzero(~rows.lost).tolist()
+def _confidence(places: _Places, rows: Rows) -> Floats | None:
+    """(T,) how sure the tracker was; None if the column holds other than numbers from 0 to 1."""
+    if places.confidence is None:
+        return None
     try:
-        found = np.array([float(rows.texts[row][place] or 0) for row in frames], np.float64)
+        cells = places.cells(rows, places.confidence)
+        found = np.array([float(cell or 0) for cell in cells], np.float64)
     except ValueError:
         return None
     return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
@@ -216,14 +270,15 @@ def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
     return (f"no row has a number for {', '.join(empty)}: carried",)
 
 
-def _count_notes(table: Table, rows: Rows, count: int | None) -> tuple[str, ...]:
-    if count is None:
+def _count_notes(table: Table, places: _Places, rows: Rows) -> tuple[str, ...]:
+    if places.said is None:
         return ()
     # The tracker's confidence stands after what is counted.
     values = len(table.names) - 2 - (table.names[-1].lower() == CONFIDENCE)
-    frames = np.flatnonzero(~rows.lost).tolist()
-    said = {rows.texts[row][-1].removesuffix(".0") for row in frames}
+    said = {text.removesuffix(".0") for text in places.cells(rows, places.said)}
     wrong = [shown(text) for text in sorted(said - {str(values)})]
     if not wrong:
         return ()
-    return (f"{table.names[count]} says {', '.join(wrong[:3])}, the header has {values} values",)
+    return (
+        f"{table.names[places.said]} says {', '.join(wrong[:3])}, the header has {values} values",
+    )

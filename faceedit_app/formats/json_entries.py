@@ -17,7 +17,8 @@ from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, Place, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
-from faceedit_app.formats.time_columns import TRACKED, time_columns
+from faceedit_app.formats.lost_faces import is_flag, says_lost
+from faceedit_app.formats.time_columns import time_columns
 from faceedit_app.formats.timecode import is_timecode
 
 DEEPEST = 5
@@ -86,8 +87,8 @@ def _is_number(text: str) -> bool:
 
 def _is_lost(text: JsonText, entry: Any) -> bool:
     """Whether a frame says that the face was not tracked: false, or a confidence of 0."""
-    flags = (value for key, value in as_object(entry).items() if letters(key) in TRACKED)
-    return any(value is False or text.number(value) == 0 for value in flags)
+    flags = ((key, value) for key, value in as_object(entry).items() if is_flag(key))
+    return any(says_lost(key, _text_of(text, value)) for key, value in flags)
 
 
 def _notes(sets: Sequence[Sequence[Weights]]) -> tuple[str, ...]:

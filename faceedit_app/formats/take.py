@@ -12,6 +12,7 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.lost_faces import blank_notes
 from faceedit_app.formats.timing import (
     NoTimes,
     RateNeeded,
@@ -178,6 +179,7 @@ def finish_take(
         *timing.notes,
         *gap_notes(gaps),
         *lost_notes(recording.lost),
+        *blank_notes(clip.weights),
         *scale_notes(scale),
         *mixed_notes(values, scale, recording.channels),
     )

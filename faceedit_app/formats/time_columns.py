@@ -49,12 +49,6 @@ _TIME_WORDS = {
     *("ts", "pts", "date", "datetime"),
 }
 _COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
-# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
-TRACKED = (
-    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
-    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
-    *("numfaces", "facecount", "faces", "nfaces"),
-)
 _UNIVERSAL = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
 # Day, month and year in any order, then a clock time: only the clock counts.
 _LOCAL = re.compile(

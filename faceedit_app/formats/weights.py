@@ -18,7 +18,7 @@ _TWICE = 2.0
 PERMILLE = 1000.0
 _PERMILLE_NOTE = "the weights run from 0 to 1000: read as such, and written as such"
 _BEYOND_PERCENT = 150.0  # whole numbers that go this far are bytes
-_BEYOND_BYTES = 300.0  # whole numbers of which some share goes this far are thousandths
+_BEYOND_BYTES = 300.0  # numbers of which some share goes this far are thousandths
 _SHARE = 0.01
 _LONG_ENOUGH = 10  # frames that show how far a channel goes
 _MOVING = 0.1  # the largest number of a channel that moves, if it runs from 0 to 1
@@ -37,7 +37,7 @@ def scale_of(values: NDArray[Any]) -> float:
     if not len(sizes) or (sizes > _TWICE).mean() <= _MANY:
         return 1.0
     whole = np.all(sizes == np.round(sizes))
-    if whole and (sizes > _BEYOND_BYTES).mean() > _SHARE:
+    if (sizes > _BEYOND_BYTES).mean() > _SHARE:
         return PERMILLE
     return BYTES if whole and _BEYOND_PERCENT < sizes.max() <= BYTES else PERCENT
 

@@ -230,3 +230,34 @@ def test_times_are_read_as_they_are_written(tmp_path: Path, time: Callable[[int]
     clip = open_take(path).clip
     assert (len(clip), clip.rate, clip.gaps) == (3 * RATE, RATE, ())
     assert clip.times[-1] == pytest.approx((3 * RATE - 1) / RATE, abs=1e-3)
+
+
+PERCENT: dict[str, tuple[str, str]] = {
+    "a sign": ("{:.1f}%", ""),
+    "a sign after a space": ("{:.1f} %", ""),
+    "the names": ("{:.1f}", " [%]"),
+    "the names in words": ("{:.1f}", "_percent"),
+}
+
+
+@pytest.mark.parametrize(("cell", "ending"), PERCENT.values(), ids=PERCENT)
+def test_percent_that_the_file_names_stay_percent_however_small(
+    tmp_path: Path, cell: str, ending: str
+) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    body = [[row[0], *(cell.format(float(value)) for value in row[1:])] for row in rows()]
+    path.write_text(text(body, head=("time_s", *(f"{name}{ending}" for name in NAMES))))
+    take = open_take(path)
+    assert take.clip.weights.max() == pytest.approx(0.0055, abs=6e-4)
+    edited = take.clip.weights.copy()
+    edited[3, 0] = 0.25
+    write_take(out, take, edited)
+    before, after = path.read_text().splitlines(), out.read_text().splitlines()
+    assert [n for n, (a, b) in enumerate(zip(before, after, strict=True)) if a != b] == [4]
+    assert after[4].split(",")[1] == cell.replace("{:.1f}", "25")
+
+
+def test_a_row_of_units_says_that_weights_are_percent(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text([["s", "%", "%", "%"], *rows()]))
+    assert open_take(path).clip.weights.max() == pytest.approx(0.0055, abs=1e-4)
