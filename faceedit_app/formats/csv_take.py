@@ -12,6 +12,7 @@ import numpy as np
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
@@ -19,19 +20,14 @@ from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.lost_faces import flag_column, is_count, letters
-from faceedit_app.formats.stated_rate import (
-    Stated,
-    names_rate,
-    rate_in_column,
-    rate_in_lines,
-    settled,
-)
+from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
 from faceedit_app.formats.weights import PERCENT
 
 _FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
+_FEWEST_TIMES = 8  # that run forward in a column whose name does not say that it has times
 _PERCENT = re.compile(r"[\[(]?(?:%|percent|pct|0\s*(?:-|\.\.|to)\s*100)[\])]?", re.IGNORECASE)
 CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
@@ -85,6 +81,7 @@ class _Places:
 
     Attributes:
         clocks: columns of times.
+        first: the first column, if its name says nothing.
         turns: those of `ROTATIONS`, in that order.
         flag: what says whether a row has a face.
         said: `flag`, if it is the number of blendshapes.
@@ -93,6 +90,7 @@ class _Places:
     """
 
     clocks: list[int]
+    first: int | None
     turns: list[int]
     flag: int | None
     said: int | None
@@ -106,19 +104,23 @@ class _Places:
         bare = [letters(name) for name in lower]
         flag = flag_column(table.names)
         turns = [lower.index(name) for name in ROTATIONS if name in lower]
+        clocks = [k for k in time_columns(table.names) if k not in channels.indices]
+        rate = rate_column(table.names)
+        known = {*channels.indices, *clocks, *turns, flag, rate}
         return cls(
-            clocks=[k for k in time_columns(table.names) if k not in channels.indices],
+            clocks=clocks,
+            first=0 if 0 not in known else None,
             turns=turns if len(turns) == len(ROTATIONS) else [],
             flag=flag,
             said=flag if flag is not None and is_count(table.names[flag]) else None,
             confidence=bare.index(CONFIDENCE) if CONFIDENCE in bare else None,
-            rate=next((k for k, name in enumerate(lower) if names_rate(name)), None),
+            rate=rate,
         )
 
     @property
     def texts(self) -> list[int]:
         """The columns that are read as texts, in the order in which they are read."""
-        last = (self.rate, self.confidence, self.flag)
+        last = (self.first, self.rate, self.confidence, self.flag)
         return [*self.clocks, *self.turns, *(place for place in last if place is not None)]
 
     def cells(self, rows: Rows, column: int) -> list[str]:
@@ -154,12 +156,13 @@ def csv_take(
     used = {times.column, places.said, *columns.indices}
     carried = [name for k, name in enumerate(table.names) if k not in used]
     frames = np.flatnonzero(~rows.lost)
+    stated = rate_in_table(table, partial(places.cells, rows))
     recording = Recording(
         path=table.path,
         format=name or _NAMES[times.kind],
         channels=columns.channels,
         values=rows.numbers[:, ~empty],
-        timing=settled(times.timing, _stated(table, places, rows), frames),
+        timing=settled(times.timing, stated, frames),
         lost=rows.lost,
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried),
@@ -216,15 +219,25 @@ def _times(table: Table, places: _Places, rows: Rows) -> RowTimes:
     if rows.lost.all():
         return RowTimes(NoTimes("has no row with a tracked face"))
     cells = [places.cells(rows, column) for column in places.clocks]
-    return read_times(table, places.clocks, cells, rows.lines)
+    found = read_times(table, places.clocks, cells, rows.lines)
+    if places.first is None or not isinstance(found.timing, NoTimes) or found.kind == "frames":
+        return found
+    return _guessed_times(table, places.first, places.cells(rows, places.first), rows) or found
 
 
-def _stated(table: Table, places: _Places, rows: Rows) -> Stated | None:
-    """The frame rate that a column or the lines before the header state."""
-    if places.rate is not None:
-        return rate_in_column(table.names[places.rate], places.cells(rows, places.rate))
-    before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
-    return rate_in_lines(before)
+def _guessed_times(table: Table, column: int, cells: list[str], rows: Rows) -> RowTimes | None:
+    """The times in a column of any name, if it runs forward in every row."""
+    try:
+        found = read_times(table, [column], [cells], rows.lines)
+    except FileError:
+        return None
+    timing = found.timing
+    if len(set(cells)) < max(len(cells), _FEWEST_TIMES):
+        return None
+    if isinstance(timing, NoTimes):
+        return found if found.kind == "frames" else None
+    note = f'the first column, "{shown(table.names[column])}", is read as times'
+    return replace(found, timing=replace(timing, notes=(note, *timing.notes)))
 
 
 def _is_percent(table: Table, columns: Columns, rows: Rows) -> bool:

@@ -6,10 +6,11 @@ It is used if the file's times do not show the rate. A number in running text is
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from faceedit_app.core.arrays import Indices
+from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.rates import exact_rate, nominal_rate
 from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, format_rate
@@ -53,6 +54,11 @@ class Stated:
 def names_rate(name: str) -> bool:
     """Whether a column or field with this name holds a frame rate."""
     return _NAME.fullmatch(re.sub(r"[\W_]", "", name)) is not None
+
+
+def rate_column(names: Sequence[str]) -> int | None:
+    """The column that holds a frame rate, or None."""
+    return next((k for k, name in enumerate(names) if names_rate(name)), None)
 
 
 def rate_of(text: str) -> float | None:
@@ -99,6 +105,19 @@ def rate_in_column(name: str, cells: Sequence[str]) -> Stated | None:
     rates = {rate_of(cell) for cell in cells}
     rate = rates.pop() if len(rates) == 1 else None
     return Stated(rate, shown(name)) if rate else None
+
+
+def rate_in_table(table: Table, cells: Callable[[int], Sequence[str]]) -> Stated | None:
+    """The rate that a column of a table, or the lines before its header, state.
+
+    Args:
+        cells: the texts of the frames in a column.
+    """
+    column = rate_column(table.names)
+    if column is not None:
+        return rate_in_column(table.names[column], cells(column))
+    before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
+    return rate_in_lines(before)
 
 
 def settled(timing: Timing | NoTimes, stated: Stated | None, rows: Indices) -> Timing | NoTimes:

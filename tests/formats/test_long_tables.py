@@ -53,6 +53,18 @@ TABLES = {
         '"Timecode","Curve","Value"',
         lambda n, name, v: f'"10:00:{n // 30:02d}:{n % 30:02d}","{name}","{v}"',
     ),
+    "channels by number too": table(
+        "frame,time,index,score,name",
+        lambda n, name, v: f"{n},{n / 30:.4f},{ARKIT_CHANNELS.index(name)},{v},{name}",
+    ),
+    "German": table(
+        "Zeit;Name;Wert", lambda n, name, v: f"{n / 30:.4f};{name};{v}".replace(".", ",")
+    ),
+    "a rate before the header": "# fps: 30\n"
+    + table("frame,name,value", lambda n, name, v: f"{n},{name},{v}"),
+    "a column with the rate": table(
+        "frame,fps,name,value", lambda n, name, v: f"{n},30,{name},{v}"
+    ),
     "others among them": table(
         "time,name,value",
         lambda n, name, v: (
