@@ -10,7 +10,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from faceedit_app.formats.json_take import JsonFrames, frame_rate, json_take
+from faceedit_app.formats.json_rate import frame_rate
+from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
