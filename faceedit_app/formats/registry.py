@@ -163,6 +163,22 @@ def takes_below(folder: Path) -> list[Path]:
     return [path for path in paths if path.suffix.lower() == ".csv" or is_take(path)]
 
 
+def no_takes_below(folder: Path) -> list[tuple[Path, str]]:
+    """The files below a folder that end like takes and are none, each with what is wrong with it.
+
+    A CSV counts as a take, see `takes_below`.
+    """
+    found = []
+    for path in sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings()):
+        if path.suffix.lower() == ".csv":
+            continue
+        try:
+            recognise(path, as_utf8(read_bytes(path))[0])
+        except FileError as error:
+            found.append((path, f"{error.problem}; {error.remedy}"))
+    return found
+
+
 def writable() -> tuple[Format, ...]:
     """The formats that can be written from any source."""
     return tuple(form for form in FORMATS if form.write is not None)
