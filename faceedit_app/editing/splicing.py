@@ -128,7 +128,9 @@ def write_spliced(
                 film = None
         # Of no kind: its own format would be written into the old file's rows.
         bare = replace(take, clip=made.clip, kind="")
-        exported = export_take(bare, made.clip, path, form, Options(overwrite=overwrite))
+        like = take.source if form == own_format(take) else None
+        options = Options(overwrite=overwrite, like=like)
+        exported = export_take(bare, made.clip, path, form, options)
         undo.pop_all()
     written = (paths[0] if sound is not None else None), (paths[1] if film is not None else None)
     lines = (*exported.remarks, *remarks)

@@ -76,6 +76,7 @@ class CsvSource:
         lost: (L) the lines without a face that lie between frames.
         flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
+        seconds: the column of the times, if they are seconds.
     """
 
     table: Table
@@ -86,6 +87,7 @@ class CsvSource:
     lost: Sequence[int] = ()
     flag: int | None = None
     confidence: int | None = None
+    seconds: int | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -145,6 +147,10 @@ class CsvSource:
             old = self.table.lines[line]
             out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
         return replace(self, table=replace(self.table, lines=tuple(out)))
+
+    def writer(self) -> Callable[[float], bytes]:
+        """What writes a weight, on the file's scale, as the file writes it."""
+        return self._writer(self.columns, self.scale)
 
     def _writer(self, columns: Sequence[int], scale: float) -> Callable[[float], bytes]:
         """What writes a number as the file writes those in some columns."""

@@ -68,11 +68,14 @@ def write(clip: Clip) -> bytes:
     for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
         lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
     if clip.confidence is not None:
-        # A confidence of 0 would mean that the face was lost.
-        cells = (f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in clip.confidence.tolist())
-        sure = [CONFIDENCE, *cells]
+        sure = [CONFIDENCE, *confidence_cells(clip.confidence)]
         lines = [f"{line},{cell}" for line, cell in zip(lines, sure, strict=True)]
     return ("\n".join(lines) + "\n").encode()
+
+
+def confidence_cells(confidence: Floats) -> list[str]:
+    """The texts of (T,) confidences; one of 0 would mean that the face was lost."""
+    return [f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in confidence.tolist()]
 
 
 @dataclass(frozen=True)
@@ -180,6 +183,7 @@ def csv_take(
         lost=rows.lost_lines,
         flag=places.flag,
         confidence=places.confidence,
+        seconds=times.column if times.kind == "seconds" else None,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:

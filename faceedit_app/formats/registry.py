@@ -15,6 +15,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.formats import (
     audio2face,
     azure_speech,
+    csv_style,
     csv_take,
     facecap,
     glb_animation,
@@ -30,7 +31,7 @@ from faceedit_app.formats import (
 from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
 from faceedit_app.formats.foreign import recognise_foreign
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import Source, Take
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class Format:
         read: opens a file: path, content, and the frame rate if the user gave one.
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
+        write_like: as `write`, in the style of a source; gives None for one that has no style.
         tells_times: whether its frames have times, not only a rate.
         keeps_rotations: whether `write` keeps the rotations of head and eyes.
         keeps_confidence: whether it keeps how sure the tracker was.
@@ -63,6 +65,7 @@ class Format:
     sniff: Callable[[bytes], float]
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
+    write_like: Callable[[Source, Clip], bytes | None] = lambda source, clip: None
     tells_times: bool = True
     keeps_rotations: bool = False
     keeps_confidence: bool = False
@@ -82,7 +85,8 @@ FORMATS: tuple[Format, ...] = (
            )),
     Format("csv", "CSV with ARKit names", (".csv", ".tsv"), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
-           csv_take.sniff, csv_take.read, csv_take.write, keeps_confidence=True, hints=(
+           csv_take.sniff, csv_take.read, csv_take.write, csv_style.write_like,
+           keeps_confidence=True, hints=(
                ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),
                ("Spreadsheets", "one row a frame: seconds, then a column for each channel"),
            )),
