@@ -13,7 +13,7 @@ import numpy as np
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.names import canonical_channel
+from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
 from faceedit_app.formats.files import LONGEST_NAME, shown
@@ -49,7 +49,8 @@ def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
     if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
         return 0.0
-    return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
+    names = first_rows(content)[0]
+    return 0.5 if any(map(naming_of(names), names)) else 0.0
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:
@@ -136,20 +137,20 @@ def csv_take(
     table: Table,
     fps: float | None,
     name: str = "",
-    naming: Callable[[str], str | None] = canonical_channel,
+    naming: Callable[[str], str | None] | None = None,
 ) -> Take:
     """Make the take of a table.
 
     Args:
         fps: the frame rate, if the user gave one.
         name: the format's name; "" = named after the kind of its times.
-        naming: the channel that a column's name means, or None.
+        naming: the channel that a column's name means, or None; by default ARKit's.
 
     Raises:
         RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
-    found = find_channels(table, naming)
+    found = find_channels(table, naming or naming_of(table.names))
     table, faces = _one_face(table)
     places = _Places.of(table, found)
     rows = table.read(places.texts, found.indices, places.flag)
@@ -160,6 +161,7 @@ def csv_take(
     carried = [name for k, name in enumerate(table.names) if k not in used]
     frames = np.flatnonzero(~rows.lost)
     stated = rate_in_table(table, partial(places.cells, rows))
+    scale, scale_notes = _scale(table, columns, rows)
     recording = Recording(
         path=table.path,
         format=name or _NAMES[times.kind],
@@ -169,10 +171,16 @@ def csv_take(
         lost=rows.lost,
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried),
-        notes=(*faces, *_empty_notes(found, columns), *_count_notes(table, places, rows)),
+        notes=(
+            *faces,
+            *(_name_notes(table, found) if naming is None else ()),
+            *_empty_notes(found, columns),
+            *scale_notes,
+            *_count_notes(table, places, rows),
+        ),
         rotations=_rotations(places, rows),
         confidence=_confidence(places, rows),
-        scale=PERCENT if _is_percent(table, columns, rows) else None,
+        scale=scale,
     )
     source = partial(
         CsvSource,
@@ -244,12 +252,23 @@ def _guessed_times(table: Table, column: int, cells: list[str], rows: Rows) -> R
     return replace(found, timing=replace(timing, notes=(note, *timing.notes)))
 
 
-def _is_percent(table: Table, columns: Columns, rows: Rows) -> bool:
-    """Whether cells, names or a row of units say that the weights are percent."""
+def _says_percent(table: Table, columns: Columns, rows: Rows) -> bool:
+    """Whether the names of the channels, or a row of units, say that the weights are percent."""
     said = [unit for unit in rows.units if unit]
     if not said:  # the end of each name
         said = [re.split(r"[\s_]+|(?=[\[(])", table.names[k])[-1] for k in columns.indices]
-    return table.percent or (bool(said) and all(map(_PERCENT.fullmatch, said)))
+    return bool(said) and all(map(_PERCENT.fullmatch, said))
+
+
+def _scale(table: Table, columns: Columns, rows: Rows) -> tuple[float | None, tuple[str, ...]]:
+    """The value of a full blendshape if the file says it, and a note if it cannot be right."""
+    if table.percent:
+        return PERCENT, ()
+    if not _says_percent(table, columns, rows):
+        return None, ()
+    if np.nanmax(np.abs(rows.numbers), initial=0.0) > 1:
+        return PERCENT, ()
+    return None, ("the names say percent, but the weights run from 0 to 1: read as such",)
 
 
 def _timecodes(places: _Places, rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
@@ -278,6 +297,13 @@ def _confidence(places: _Places, rows: Rows) -> Floats | None:
     except ValueError:
         return None
     return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
+
+
+def _name_notes(table: Table, found: Columns) -> tuple[str, ...]:
+    name = table.names[found.indices[0]]
+    if canonical_channel(name):
+        return ()
+    return (f'"{shown(name)}" and the like are read as {found.channels[0]} and so on',)
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:

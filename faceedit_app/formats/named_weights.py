@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from faceedit_app.core.names import canonical_channel
+from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.json_curves import curves, dicts, found_times
 from faceedit_app.formats.json_entries import (
     DEEPEST,
@@ -50,9 +50,14 @@ def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a recording of named weights."""
     if not looks_like_json(content) or any(text in content[:_HEAD] for text in _NOT_TAKES):
         return 0.0
+    texts = _texts(content)
+    return 0.3 if any(map(naming_of(texts), texts)) or _are_parts(texts) else 0.0
+
+
+def _texts(content: bytes) -> list[str]:
+    """The names and other texts at the beginning of a document."""
     found = (match[1].decode("utf-8", "replace") for match in _TEXT.finditer(content[:_HEAD]))
-    texts = [text.replace('\\"', '"') for text in found]
-    return 0.3 if any(map(canonical_channel, texts)) or _are_parts(texts) else 0.0
+    return [text.replace('\\"', '"') for text in found]
 
 
 def _are_parts(texts: Sequence[str]) -> bool:
@@ -80,17 +85,18 @@ def read_named(
     content: bytes,
     fps: float | None,
     form: str,
-    naming: Naming = canonical_channel,
+    naming: Naming | None = None,
 ) -> Take:
     """Open a recording of named weights as a take of this format.
 
     Args:
-        naming: the channel that a name means, or None.
+        naming: the channel that a name means, or None; by default ARKit's.
 
     Raises:
         RateNeeded, FileError: as for `read`.
     """
     text = read_json(path, content)
+    naming = naming or naming_of(_texts(content))
     rate = frame_rate(text, text.document)
     layouts = (entry_frames, single_weights, curves, _matrix)
     frames = next((found for layout in layouts if (found := layout(text, naming, rate))), None)

@@ -245,10 +245,10 @@ def test_percent_that_the_file_names_stay_percent_however_small(
     tmp_path: Path, cell: str, ending: str
 ) -> None:
     path, out = tmp_path / "take.csv", tmp_path / "out.csv"
-    body = [[row[0], *(cell.format(float(value)) for value in row[1:])] for row in rows()]
+    body = [[row[0], *(cell.format(3 * float(value)) for value in row[1:])] for row in rows()]
     path.write_text(text(body, head=("time_s", *(f"{name}{ending}" for name in NAMES))))
     take = open_take(path)
-    assert take.clip.weights.max() == pytest.approx(0.0055, abs=6e-4)
+    assert take.clip.weights.max() == pytest.approx(0.0165, abs=6e-4)
     edited = take.clip.weights.copy()
     edited[3, 0] = 0.25
     write_take(out, take, edited)
@@ -259,5 +259,42 @@ def test_percent_that_the_file_names_stay_percent_however_small(
 
 def test_a_row_of_units_says_that_weights_are_percent(tmp_path: Path) -> None:
     path = tmp_path / "take.csv"
-    path.write_text(text([["s", "%", "%", "%"], *rows()]))
-    assert open_take(path).clip.weights.max() == pytest.approx(0.0055, abs=1e-4)
+    body = [[row[0], *(f"{3 * float(value):.2f}" for value in row[1:])] for row in rows()]
+    path.write_text(text([["s", "%", "%", "%"], *body]))
+    assert open_take(path).clip.weights.max() == pytest.approx(0.0165, abs=1e-4)
+
+
+def test_names_that_say_percent_of_weights_up_to_1_are_not_believed(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text(head=("time_s", *(f"{name} [%]" for name in NAMES))))
+    take = open_take(path)
+    assert take.clip.weights.max() == pytest.approx(0.55, abs=0.01)
+    assert any("the names say percent, but" in note for note in take.notes)
+
+
+AFFIXES = ("newton {}", "facs_bs_{}", "{}_h", "Curve{}", "score_{}")
+
+
+@pytest.mark.parametrize("affix", AFFIXES)
+def test_a_beginning_or_end_that_all_names_share_is_dropped_and_kept(
+    tmp_path: Path, affix: str
+) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    names = ("JawOpen", "EyeBlinkLeft", "EyeBlinkRight", "MouthFunnel")
+    body = [[*row, row[1]] for row in rows()]
+    path.write_text(text(body, head=("time_s", *(affix.format(name) for name in names))))
+    take = open_take(path)
+    assert take.clip.channels == ("jawOpen", "eyeBlinkLeft", "eyeBlinkRight", "mouthFunnel")
+    assert any("are read as jawOpen and so on" in note for note in take.notes)
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
+
+
+def test_two_beginnings_of_the_same_channels_are_not_guessed_between(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    names = [f"{start}_{name}" for start in ("raw2", "calm") for name in ("jawOpen", "jawLeft")]
+    names += [f"{start}_{n}" for start in ("raw2", "calm") for n in ("mouthLeft", "mouthRight")]
+    body = [[row[0], *[row[1]] * len(names)] for row in rows()]
+    path.write_text(text(body, head=("time_s", *names)))
+    with pytest.raises(FileError, match="holds no ARKit channel"):
+        open_take(path)
