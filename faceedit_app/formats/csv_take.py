@@ -17,7 +17,6 @@ from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
 from faceedit_app.formats.files import LONGEST_NAME, shown
-from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.lost_faces import flag_column, is_count, letters
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
@@ -47,7 +46,7 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
+    if looks_like_json(content) or content.startswith(b"#usda"):
         return 0.0
     names = first_rows(content)[0]
     return 0.5 if any(map(naming_of(names), names)) else 0.0

@@ -26,6 +26,7 @@ from faceedit_app.formats import (
     metahuman,
     named_frames,
     named_weights,
+    transposed,
     usd_text,
 )
 from faceedit_app.formats.encodings import as_utf8
@@ -106,6 +107,8 @@ FORMATS: tuple[Format, ...] = (
            "scripts that save what iFacialMocap sends", ifacialmocap.sniff, ifacialmocap.read),
     Format("long", long_table.FORMAT, (".csv", ".tsv"), "text/csv",
            "data frames and databases (pandas, R, SQL)", long_table.sniff, long_table.read),
+    Format("transposed", transposed.FORMAT, (".csv", ".tsv"), "text/csv",
+           "Speech2BS, spreadsheets", transposed.sniff, transposed.read),
     Format("names", named_frames.FORMAT, (".json",), "application/json",
            "the BEAT dataset, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
     Format("mediapipe", mediapipe.FORMAT, (".json",), "application/json",

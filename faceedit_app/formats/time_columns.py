@@ -138,17 +138,20 @@ def read_times(
     return useless or RowTimes(NoTimes("has no column with times"))
 
 
-def text_times(cells: Sequence[str]) -> Timing:
-    """The times of rows that are texts: dates, timecodes or clock times.
+def text_times(cells: Sequence[str], name: str = "time") -> Timing:
+    """The times of rows that are texts: dates, timecodes, clock times, or numbers.
+
+    Args:
+        name: the file's name for them, which may contain a unit.
 
     Raises:
         BadTimecode: a text is none of them, or of another kind than most.
         NoTimes, BadRow: see `timing.time_rows`.
     """
-    kind = _kind(cells)
+    kind = _kind(cells, name)
     if kind is None:
         raise BadTimecode(0, cells[0])
-    return _READERS[kind](cells, "time")[1]
+    return _READERS[kind](cells, name)[1]
 
 
 def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:
