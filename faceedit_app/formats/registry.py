@@ -27,6 +27,7 @@ from faceedit_app.formats import (
     named_frames,
     named_weights,
     transposed,
+    unity_clip,
     usd_text,
 )
 from faceedit_app.formats.encodings import as_utf8
@@ -119,6 +120,8 @@ FORMATS: tuple[Format, ...] = (
            "Unreal scripts that list a MetaHuman's curves", metahuman.sniff, metahuman.read),
     Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
+    Format("unity", unity_clip.FORMAT, (".anim",), "",
+           "Unity, and recorders that are made with it", unity_clip.sniff, unity_clip.read),
     Format("usda", usd_text.FORMAT, (".usda",), "",
            "Audio2Face, Omniverse, FaceEdit itself", usd_text.sniff, usd_text.read),
 )

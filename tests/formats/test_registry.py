@@ -151,7 +151,7 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
         (b"animVersion 1.1;\nanim jawOpen blendShape1 0 1 0;\n", "Maya", "CSV"),
         (b"PXR-USDC" + bytes(80), "USD", ".usda"),
         (b'#usda 1.0\ndef Xform "jawOpen, jawLeft"\n{\n}\n', "USD text without", "GLB"),
-        (b"%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n", "Unity", "CSV"),
+        (b"%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n", "Unity", ".anim"),
         (b"Ogawa\xff" + bytes(80), "Alembic", "GLB"),
         (b"BLENDER-v300" + bytes(80), "Blender", "GLB"),
         (b"\x1f\x8b\x08" + bytes(80), "compressed", "unpack"),
