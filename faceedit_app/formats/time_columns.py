@@ -59,7 +59,10 @@ _TIME_WORDS = {
     *("время", "时间", "時間", "時刻"),
 }
 _STEP_WORDS = {"delta", "dt", "deltatime", "timedelta"}  # the time since the row before
-_COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
+_COUNT_WORDS = {
+    *("frame", "frames", "framenumber", "frameid", "index", "idx"),
+    *("bild", "bildnummer", "trame", "fotograma", "fotogramma", "帧", "フレーム"),
+}
 _PICTURE_WORDS = {"image", "img", "picture", "filename"}  # numbered like frames
 _NUMBER = re.compile(r"([+-]?\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(s|sec|ms|msec|us|ns)", re.ASCII)
 _NUMBERED = re.compile(r"(?:.*\D)?(\d{1,9})(?:\.[A-Za-z]{2,4})?", re.ASCII)

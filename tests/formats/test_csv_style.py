@@ -70,3 +70,12 @@ def test_times_that_were_no_seconds_become_seconds(tmp_path: Path) -> None:
     assert main(["convert", str(take), str(out), "--format", "csv", "--fps", "15"]) == 0
     assert out.read_text().splitlines()[0] == "time_s,Jaw_Open"
     assert open_take(out).clip.rate == 15
+
+
+def test_convert_keeps_the_layout_at_another_rate_unless_told_otherwise(tmp_path: Path) -> None:
+    take, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    take.write_text(table())
+    assert main(["convert", str(take), str(out), "--fps", "15"]) == 0
+    assert out.read_text().splitlines()[0] == table().splitlines()[0]
+    assert main(["convert", str(take), str(out), "--fps", "15", "--format", "livelink"]) == 0
+    assert out.read_text().startswith("Timecode,BlendshapeCount,")

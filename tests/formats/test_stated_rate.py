@@ -87,3 +87,14 @@ def test_numbers_of_lost_frames_are_gaps_at_the_stated_rate(tmp_path: Path) -> N
     path.write_text("# fps: 25\n" + "".join(lines[:11] + lines[13:]))
     clip = open_take(path).clip
     assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(9, 2)]
+
+
+def test_the_length_that_is_asked_about_counts_lost_frames(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    lines = NUMBERED.splitlines(keepends=True)
+    path.write_text("".join(lines[:11] + lines[13:]))
+    with pytest.raises(RateNeeded) as asked:
+        open_take(path)
+    assert asked.value.frames == FRAMES
+    clip = open_take(path, asked.value.rate).clip
+    assert clip.duration == pytest.approx(asked.value.frames / asked.value.rate)
