@@ -98,12 +98,14 @@ def _name_column(
     if len(rows) < _FEWEST_LINES:
         return None
     width = max(map(len, rows))
+    if width < 2:
+        return None
     shares = [
         np.mean([k < len(row) and naming(plain_text(row[k])) is not None for row in rows])
         for k in range(min(width, 50))
     ]
     best = int(np.argmax(shares))
-    return best if width > 1 and shares[best] >= _MOST else None
+    return best if shares[best] >= _MOST else None
 
 
 def _with_header(table: Table) -> Table:

@@ -39,7 +39,7 @@ from faceedit_app.formats.timing import (
 
 _DAY, _HOUR = 86_400, 3600
 _FRAMES = re.compile(
-    r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:\.(\d{1,9}))?", re.ASCII
+    r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,9}))?", re.ASCII
 )
 _CLOCK = re.compile(  # pandas begins with the days
     r"(?:\d+ days? \+?)?(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,9}))?", re.ASCII

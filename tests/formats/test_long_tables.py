@@ -141,3 +141,11 @@ def test_damage_is_refused_at_its_line(
     with pytest.raises(FileError) as refused:
         open_take(path)
     assert says in str(refused.value)
+
+
+def test_lines_that_cannot_be_split_are_refused_in_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text("time,data\n" + '"0.1, "jawOpen\n' * 20)
+    with pytest.raises(FileError) as caught:
+        open_take(path)
+    assert len(str(caught.value).replace(str(path), "")) < 300

@@ -298,3 +298,14 @@ def test_two_beginnings_of_the_same_channels_are_not_guessed_between(tmp_path: P
     path.write_text(text(body, head=("time_s", *names)))
     with pytest.raises(FileError, match="holds no ARKit channel"):
         open_take(path)
+
+
+def test_timecode_with_a_decimal_comma_is_timecode(tmp_path: Path) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    codes = [f"14:02:{n // RATE:02d}:{2 * (n % RATE):02d}.250" for n in range(FRAMES)]
+    body = [[code, *row[1:]] for code, row in zip(codes, rows(), strict=True)]
+    path.write_text(text(with_comma(body), ";", head=("Timecode", *NAMES)))
+    take = open_take(path)
+    assert (take.clip.rate, len(take.clip)) == (RATE, FRAMES)
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
