@@ -314,7 +314,9 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
         return "seconds", single_row()
     steps = np.diff(values)
     if not np.any(steps > 0):
-        raise NoTimes("has the same time in every row")
+        backwards = np.any(steps < 0)
+        what = "times that do not run forward" if backwards else "the same time in every row"
+        raise NoTimes(f"has {what}")
     words = _words(name)
     named = next((_UNIT_WORDS[word] for word in reversed(words) if word in _UNIT_WORDS), None)
     if _counts_frames(steps, words, named):

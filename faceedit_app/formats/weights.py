@@ -34,12 +34,20 @@ def scale_of(values: NDArray[Any]) -> float:
     """
     sizes = np.abs(values[np.isfinite(values) & (values != 0)])
     sizes = sizes[sizes <= LARGEST * PERCENT]
-    if not len(sizes) or (sizes > _TWICE).mean() <= _MANY:
+    if not len(sizes) or ((sizes > _TWICE).mean() <= _MANY and not _stay_large(values)):
         return 1.0
     whole = np.all(sizes == np.round(sizes))
     if (sizes > _BEYOND_BYTES).mean() > _SHARE:
         return PERMILLE
     return BYTES if whole and _BEYOND_PERCENT < sizes.max() <= BYTES else PERCENT
+
+
+def _stay_large(values: NDArray[Any]) -> bool:
+    """Whether a channel of (T, K) is impossible from 0 to 1 for many frames, not for a moment."""
+    if values.ndim < 2 or not len(values):
+        return False
+    large = np.abs(values) > LARGEST
+    return bool((large.sum(axis=0) >= _LONG_ENOUGH).sum() >= 2)
 
 
 def scale_notes(scale: float) -> tuple[str, ...]:

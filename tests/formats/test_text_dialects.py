@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.registry import is_take
@@ -309,3 +310,26 @@ def test_timecode_with_a_decimal_comma_is_timecode(tmp_path: Path) -> None:
     assert (take.clip.rate, len(take.clip)) == (RATE, FRAMES)
     write_take(out, take, take.clip.weights)
     assert out.read_bytes() == path.read_bytes()
+
+
+def test_percent_of_which_most_are_small_is_percent(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    still = [name for name in ARKIT_CHANNELS if name not in ("jawOpen", "eyeBlinkLeft")]
+    body = [
+        [row[0], *(f"{100 * float(cell):.2f}" for cell in row[1:3]), *["1.10"] * len(still)]
+        for row in rows()
+    ]
+    path.write_text(text(body, head=("time_s", "jawOpen", "eyeBlinkLeft", *still)))
+    take = open_take(path)
+    assert take.clip.weights[:, 0].max() == pytest.approx(0.55, abs=0.01)
+    assert any("0 to 100" in note for note in take.notes)
+
+
+def test_a_few_impossible_weights_are_damage_and_no_percent(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    body = rows()
+    for n in range(4):
+        body[n + 3][1] = body[n + 3][2] = "40.0"
+    path.write_text(text(body))
+    with pytest.raises(FileError, match="line 5: jawOpen is 40"):
+        open_take(path)
