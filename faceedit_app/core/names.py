@@ -35,6 +35,7 @@ _PREFIX = re.compile(
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
 _SHARED = 4  # names that make a beginning or an end one of the file's
+_MOST_NAMES = 500  # that are searched for such a beginning or end
 _MOST_MARKS = 8  # between the words of a name
 _BETWEEN = re.compile(rf"{_BETWEEN_PARTS.pattern}|{_BETWEEN_WORDS.pattern}")
 _LONGEST = 200  # characters; a longer text is not a name
@@ -80,7 +81,7 @@ def naming_of(names: Iterable[str]) -> Callable[[str], str | None]:
     if any(map(canonical_channel, names)):
         return canonical_channel
     found: dict[tuple[str, str], dict[str, str]] = {}
-    for name in names:
+    for name in names[:_MOST_NAMES]:
         for affixes, channel in _without_affixes(name):
             found.setdefault(affixes, {})[name] = channel
     shared = [by for by in found.values() if len(set(by.values())) >= _SHARED]
