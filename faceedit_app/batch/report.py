@@ -8,8 +8,9 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from faceedit_app.batch.tasks import Outcome
+from faceedit_app.batch.tasks import Outcome, Skipped
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.formats.timing import counted
 
 _COLUMNS = (
     "take",
@@ -32,27 +33,34 @@ polyline { fill: none; stroke-width: 1.2 }
 """
 
 
-def write_reports(folder: Path, outcomes: Sequence[Outcome]) -> tuple[Path, Path]:
+def write_reports(
+    folder: Path, outcomes: Sequence[Outcome], skipped: Sequence[Skipped] = ()
+) -> tuple[Path, Path]:
     """Write `faceedit_report.csv` and `faceedit_report.html` into a folder, and return their paths.
+
+    Args:
+        outcomes: of the takes.
+        skipped: files that are no takes.
 
     Raises:
         FileError: they cannot be written.
     """
     table, page = folder / "faceedit_report.csv", folder / "faceedit_report.html"
-    write_atomically(table, _table(outcomes).encode())
-    write_atomically(page, _page(outcomes).encode())
+    write_atomically(table, _table(outcomes, skipped).encode())
+    write_atomically(page, _page(outcomes, skipped).encode())
     return table, page
 
 
-def summary(outcomes: Sequence[Outcome]) -> str:
-    """One line: how many takes went well, how many did not."""
+def summary(outcomes: Sequence[Outcome], skipped: Sequence[Skipped] = ()) -> str:
+    """One line: how many takes went well, how many did not, and how many files are none."""
     failed = sum(1 for outcome in outcomes if outcome.error)
     fixed = sum(outcome.problems - outcome.left for outcome in outcomes)
     takes = "1 take" if len(outcomes) == 1 else f"{len(outcomes)} takes"
-    return f"{takes}: {len(outcomes) - failed} written, {failed} failed; {fixed} problems fixed"
+    written = f"{takes}: {len(outcomes) - failed} written, {failed} failed; {fixed} problems fixed"
+    return f"{written}; {counted(len(skipped), 'other file')} skipped" if skipped else written
 
 
-def _table(outcomes: Sequence[Outcome]) -> str:
+def _table(outcomes: Sequence[Outcome], skipped: Sequence[Skipped]) -> str:
     text = io.StringIO()
     out = csv.writer(text, lineterminator="\n")
     out.writerow(_COLUMNS)
@@ -60,15 +68,17 @@ def _table(outcomes: Sequence[Outcome]) -> str:
         result = "failed" if one.error else "written"
         numbers = (one.frames, one.changed, one.seconds, one.problems, one.left)
         out.writerow([one.name, result, one.written, *numbers, one.error])
+    for other in skipped:
+        out.writerow([other.name, "skipped", "", *[""] * 5, other.reason])
     return text.getvalue()
 
 
-def _page(outcomes: Sequence[Outcome]) -> str:
-    rows = "\n".join(map(_row, outcomes))
+def _page(outcomes: Sequence[Outcome], skipped: Sequence[Skipped]) -> str:
+    rows = "\n".join([*map(_row, outcomes), *map(_skipped_row, skipped)])
     return f"""<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>FaceEdit batch</title><style>{_STYLE}</style>
 <h1>FaceEdit batch</h1>
-<p>{html.escape(summary(outcomes))}. Curves: opening of the mouth,
+<p>{html.escape(summary(outcomes, skipped))}. Curves: opening of the mouth,
 <svg width="24" height="8" style="display:inline"><polyline class="old" points="0,4 24,4"/></svg>
 as tracked and
 <svg width="24" height="8" style="display:inline"><polyline class="new" points="0,4 24,4"/></svg>
@@ -90,6 +100,11 @@ def _row(one: Outcome) -> str:
         f'<td class="n">{one.changed} of {one.frames}<td class="n">{one.problems}'
         f'<td class="n">{one.left}<td>{html.escape(one.written)}</tr>'
     )
+
+
+def _skipped_row(one: Skipped) -> str:
+    name, reason = html.escape(one.name), html.escape(one.reason)
+    return f'<tr><td>{name}<td colspan="5"><td>skipped: {reason}</tr>'
 
 
 def _curves(one: Outcome) -> str:

@@ -14,7 +14,7 @@ from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing import exporting
 from faceedit_app.editing.files.fingerprint import fingerprint
-from faceedit_app.formats.registry import takes_below
+from faceedit_app.formats.registry import no_takes_below, takes_below
 from faceedit_app.formats.timing import RateNeeded
 
 _POINTS = 120  # of the small curve of a take
@@ -78,7 +78,9 @@ def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
         raise FileError(output, "is the folder of the takes", "choose another folder for results")
     found = [p for p in takes_below(source) if results not in Path(os.path.realpath(p)).parents]
     if not found:
-        raise FileError(source, "holds no takes", "choose another folder")
+        others = skipped(source, output)
+        such = f" (one of {len(others)} files that are none: {others[0].name})" if others else ""
+        raise FileError(source, f"holds no takes{such}", "choose another folder")
     ending = exporting.choose(Path(), recipe.form).ending if recipe.form else ""
     tasks: dict[Path, Task] = {}
     for path in found:
@@ -88,6 +90,29 @@ def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
             target = target.with_name(f"{path.stem}_{path.suffix[1:].lower()}{target.suffix}")
         tasks[target] = Task(inside.as_posix(), path.absolute(), target.absolute(), recipe)
     return list(tasks.values())
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A file that ends like a take and is none.
+
+    Attributes:
+        name: its path in the input folder, with slashes.
+        reason: what it is, and what to do.
+    """
+
+    name: str
+    reason: str
+
+
+def skipped(source: Path, output: Path) -> list[Skipped]:
+    """The files in a folder that `plan` leaves out although they end like takes."""
+    results = Path(os.path.realpath(output))
+    return [
+        Skipped(path.relative_to(source).as_posix(), reason)
+        for path, reason in no_takes_below(source)
+        if results not in Path(os.path.realpath(path)).parents
+    ]
 
 
 def perform(task: Task) -> Outcome:

@@ -56,13 +56,14 @@ def batch(
 ) -> None:
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
-    Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed.
+    Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed;
+    files that are no takes are skipped and reported.
     With --character, lips and lids also close on that character; --format glb writes the character.
     """
     from faceedit_app.batch.log import Log
     from faceedit_app.batch.recipe import parse_recipe
     from faceedit_app.batch.report import summary, write_reports
-    from faceedit_app.batch.tasks import plan
+    from faceedit_app.batch.tasks import plan, skipped
 
     if fps is not None and form is None:
         raise FaceEditError("--fps needs --format")
@@ -77,11 +78,14 @@ def batch(
     )
     tasks = plan(source, output, recipe)
     outcomes = _worked_on(tasks, source.name, Log(output), jobs, scheduler, quiet=as_json)
-    pages = write_reports(output, outcomes)
+    others = skipped(source, output)
+    pages = write_reports(output, outcomes, others)
     if as_json:
-        json_output.say_json(json_output.batch_facts(output, outcomes, pages))
+        json_output.say_json(json_output.batch_facts(output, outcomes, pages, others))
     else:
-        say(f"{summary(outcomes)}; see {pages[1]}")
+        for other in others:
+            say(f"skipped {other.name}: {other.reason}")
+        say(f"{summary(outcomes, others)}; see {pages[1]}")
     if any(outcome.error for outcome in outcomes):
         raise typer.Exit(1)
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
-    from faceedit_app.batch.tasks import Outcome
+    from faceedit_app.batch.tasks import Outcome, Skipped
     from faceedit_app.core.clip import Clip
 
 
@@ -52,18 +52,25 @@ def written_facts(
     }
 
 
-def batch_facts(output: Path, outcomes: Sequence[Outcome], pages: Sequence[Path]) -> dict[str, Any]:
+def batch_facts(
+    output: Path,
+    outcomes: Sequence[Outcome],
+    pages: Sequence[Path],
+    skipped: Sequence[Skipped] = (),
+) -> dict[str, Any]:
     """Facts about the takes of a batch.
 
     Args:
         output: the folder with the results.
         outcomes: of the takes.
         pages: the reports.
+        skipped: files that are no takes.
     """
     return {
         "written": sum(1 for one in outcomes if not one.error),
         "failed": sum(1 for one in outcomes if one.error),
         "reports": [str(page) for page in pages],
+        "skipped": [{"name": other.name, "reason": other.reason} for other in skipped],
         "takes": [
             {
                 "name": one.name,

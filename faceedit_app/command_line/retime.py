@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from faceedit_app.command_line import json_output
 from faceedit_app.command_line.opening import edited_session
-from faceedit_app.command_line.options import EditsOption, FpsOption, ModelsOption, TakeArgument
+from faceedit_app.command_line.options import (
+    EditsOption,
+    FpsOption,
+    JsonOption,
+    ModelsOption,
+    OverwriteOption,
+    TakeArgument,
+)
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -53,10 +61,13 @@ def retime(
     edits: EditsOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
+    overwrite: OverwriteOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Cut time out of a take, or insert time; times are those of the take.
 
-    The take, its sound and its film stay as they are. All other frames keep their weights.
+    The take, its sound and its film stay as they are, also with --overwrite. All other frames keep
+    their weights.
     """
     from faceedit_app.editing.filming import media_of
     from faceedit_app.editing.splicing import write_spliced
@@ -67,7 +78,11 @@ def retime(
     if not splices:
         raise FaceEditError("retime needs --cut START-END or --insert AT+SECONDS")
     grid = output.with_suffix(".TextGrid")
-    if words is not None and grid.exists():
+    if (
+        words is not None
+        and grid.exists()
+        and not (overwrite and grid.absolute() != words.absolute())
+    ):
         raise FileError(grid, "exists", "choose another name for the new take")
     said = read_words(words).transcript if words is not None else None
     if words is not None and said is None:
@@ -75,7 +90,13 @@ def retime(
     session = edited_session(take, fps, edits, models, None)
     media = media_of(session.take, sound, film)
     written = write_spliced(
-        session.take, session.edited_clip(), splices, output, media, has_film=not no_film
+        session.take,
+        session.edited_clip(),
+        splices,
+        output,
+        media,
+        has_film=not no_film,
+        overwrite=overwrite,
     )
     if said is not None:
         offset = 0.0 if media.sound is None else media.sound.offset
@@ -83,6 +104,13 @@ def retime(
         assert new is not None
         write_words(grid, new, written.clip.duration)
     clip = written.clip
+    if as_json:
+        facts = json_output.written_facts(
+            output, take, written.form, clip, written.remarks, written.backup
+        )
+        beside = {"sound": written.sound, "film": written.film}
+        json_output.say_json(facts | {k: None if p is None else str(p) for k, p in beside.items()})
+        return
     say(f"{output}: {counted(len(clip), 'frame')}, {clip.duration:.2f} s; wrote {written.names}")
     for line in written.remarks:
         say(f"  {line}")

@@ -13,6 +13,7 @@ or both sides of a channel, and have names that no take has.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Iterator
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
@@ -33,8 +34,14 @@ _PREFIX = re.compile(
 )
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
+_SHARED = 4  # names that make a beginning or an end one of the file's
+_MOST_NAMES = 500  # that are searched for such a beginning or end
+_MOST_MARKS = 8  # between the words of a name
+_BETWEEN = re.compile(rf"{_BETWEEN_PARTS.pattern}|{_BETWEEN_WORDS.pattern}")
 _LONGEST = 200  # characters; a longer text is not a name
-_NUMBER_WORDS = {"value", "values", "weight", "weights", "score", "scores", "val"}
+_NUMBER_WORDS = {
+    *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
+}
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 
@@ -61,6 +68,42 @@ def _key(name: str) -> str:
         elif words[0] in _SIDES:
             words = [*words[1:], _SIDES[words[0]]]
     return "".join(words)
+
+
+def naming_of(names: Iterable[str]) -> Callable[[str], str | None]:
+    """What finds the channels among the names of a file.
+
+    It is `canonical_channel`; if that finds none, it drops a beginning or an end that several names
+    share (`newton jawOpen`, `facs_bs_JawOpen`, `jawOpen_h`). If a channel would then have two
+    names, such as `raw_jawOpen` and `smooth_jawOpen`, it finds none.
+    """
+    names = list(dict.fromkeys(names))
+    if any(map(canonical_channel, names)):
+        return canonical_channel
+    found: dict[tuple[str, str], dict[str, str]] = {}
+    for name in names[:_MOST_NAMES]:
+        for affixes, channel in _without_affixes(name):
+            found.setdefault(affixes, {})[name] = channel
+    shared = [by for by in found.values() if len(set(by.values())) >= _SHARED]
+    owners = {name: channel for by in shared for name, channel in by.items()}
+    if not owners or len(set(owners.values())) < len(owners):
+        return canonical_channel
+    return owners.get
+
+
+def _without_affixes(name: str) -> Iterator[tuple[tuple[str, str], str]]:
+    """The channels that a name means without its first words or its last, and those words."""
+    if len(name) > _LONGEST:
+        return
+    marks = [(m.start(), m.end()) for m in _BETWEEN.finditer(name)][:_MOST_MARKS]
+    starts = [0, *(end for _, end in marks)]
+    ends = [*(start for start, _ in marks), len(name)]
+    for start in starts:
+        for end in ends:
+            channel = canonical_channel(name[start:end]) if start < end else None
+            if channel is not None:
+                yield (name[:start], name[end:]), channel
+                return
 
 
 _BY_KEY = {_key(name): name for name in ARKIT_CHANNELS}

@@ -17,7 +17,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import convert, resampled
 from faceedit_app.formats.csv_take import CONFIDENCE, ROTATIONS
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timing import format_rate
 
 _HEAD = tuple(name for name in ROTATIONS if name.startswith("head"))
@@ -79,6 +79,7 @@ class Options:
         compact: store weights in 16 bits, for formats that can.
         overwrite: allow a recording to be replaced; a copy of it is kept.
         follows_head: turn the head of a character as it was recorded.
+        like: a source in whose style a take is written, if it can be; None = the take's own.
     """
 
     rate: float | None = None
@@ -86,6 +87,7 @@ class Options:
     compact: bool = False
     overwrite: bool = False
     follows_head: bool = False
+    like: Source | None = None
 
 
 @dataclass(frozen=True)
@@ -196,7 +198,7 @@ def export_take(
                 f"choose another format, such as {registry.writable()[0].name}"
             )
         backup = make_way(path, take.path, options.overwrite)
-        clip = convert(path, take, kind, options.rate, edited)
+        clip = convert(path, take, kind, options.rate, edited, options.like)
         lost = () if same else take.carried
         if kind.keeps_rotations and clip.rotations is not None:
             lost = tuple(name for name in lost if name.lower() not in ROTATIONS)

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_backup, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.splice import Splice, Spliced, splice
-from faceedit_app.editing.exporting import OutFormat, choose, export_take, own_format
+from faceedit_app.editing.exporting import Options, OutFormat, choose, export_take, own_format
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
@@ -43,6 +43,8 @@ class Written:
         sound, film: the files beside it, if the take had them.
         spliced: how its time relates to the old take's.
         remarks: sentences about what it does not hold.
+        form: the name of its format.
+        backup: the copy of the recording that it replaced, if it did.
     """
 
     path: Path
@@ -51,6 +53,8 @@ class Written:
     film: Path | None
     spliced: Spliced
     remarks: tuple[str, ...]
+    form: str = ""
+    backup: Path | None = None
 
     @property
     def names(self) -> str:
@@ -79,6 +83,7 @@ def write_spliced(
     media: Placement,
     has_film: bool = True,
     progress: Callable[[float], bool] = lambda share: True,
+    overwrite: bool = False,
 ) -> Written:
     """Write a new take, its sound as a WAV, and its film as an MP4 or WebM.
 
@@ -90,6 +95,8 @@ def write_spliced(
         media: the take's sound and film.
         has_film: whether the film is written.
         progress: is given 0..1 while the film is written; False gives up, and nothing is written.
+        overwrite: replace files that exist, but none of the take; of a recording, a sound or a
+            film a copy is kept.
 
     Raises:
         FaceEditError: a splice is impossible.
@@ -101,7 +108,12 @@ def write_spliced(
     film = media.film if has_film else None
     sound = None if media.sound is None else read_sound(media.sound.path)
     paths = path.with_suffix(".wav"), path.with_suffix(".mp4")
-    _check_room(path, paths, sound is not None, film is not None)
+    new = [p for p, there in zip(paths, (sound, film), strict=True) if there is not None]
+    _check_room(path, new, overwrite)
+    if overwrite:
+        _check_other((path, *new), take, media)
+        for file in filter(Path.exists, new):
+            keep_backup(file)
     with ExitStack() as undo:  # of what was written, if anything fails
         if sound is not None and media.sound is not None:
             samples = spliced_sound(sound, media.sound.offset, made)
@@ -115,10 +127,14 @@ def write_spliced(
                 remarks.append(f"the film is left out: {error}")
                 film = None
         # Of no kind: its own format would be written into the old file's rows.
-        exported = export_take(replace(take, clip=made.clip, kind=""), made.clip, path, form)
+        bare = replace(take, clip=made.clip, kind="")
+        like = take.source if form == own_format(take) else None
+        options = Options(overwrite=overwrite, like=like)
+        exported = export_take(bare, made.clip, path, form, options)
         undo.pop_all()
     written = (paths[0] if sound is not None else None), (paths[1] if film is not None else None)
-    return Written(path, made.clip, *written, made, (*exported.remarks, *remarks))
+    lines = (*exported.remarks, *remarks)
+    return Written(path, made.clip, *written, made, lines, form.name, exported.backup)
 
 
 def _form_for(take: Take, path: Path) -> tuple[OutFormat, list[str]]:
@@ -155,15 +171,30 @@ def _endings(form: OutFormat) -> tuple[str, ...]:
     return kind.endings if isinstance(kind, Format) and kind.write is not None else ()
 
 
-def _check_room(path: Path, paths: tuple[Path, Path], has_sound: bool, has_film: bool) -> None:
+def _check_other(written: Sequence[Path], take: Take, media: Placement) -> None:
+    """Check that no file of the take itself is replaced.
+
+    Raises:
+        FileError: one would be.
+    """
+    parts = (media.sound, media.film)
+    own = {p.absolute() for p in (take.path, *(part.path for part in parts if part is not None))}
+    for file in written:
+        if file.absolute() in own:
+            raise FileError(file, "belongs to the take itself", "choose another name")
+
+
+def _check_room(path: Path, written: Sequence[Path], overwrite: bool) -> None:
     """Check that nothing is replaced, and that no other sound or film would be taken for its own.
+
+    Args:
+        overwrite: whether files may be replaced.
 
     Raises:
         FileError: something would.
     """
-    written = [p for p, there in zip(paths, (has_sound, has_film), strict=True) if there]
     for file in (path, *written):
-        if file.exists():
+        if file.exists() and not overwrite:
             raise FileError(file, "exists", "choose another name for the new take")
     for found in beside(path.absolute()):
         if found is not None and found not in [p.absolute() for p in written]:

@@ -13,7 +13,8 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
-from faceedit_app.formats.json_take import JsonFrames, frame_rate, json_take
+from faceedit_app.formats.json_rate import frame_rate
+from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 

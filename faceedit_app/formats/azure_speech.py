@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.formats.json_take import JsonFrames, frame_rate, json_take
+from faceedit_app.formats.json_rate import frame_rate
+from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import JsonText, as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 

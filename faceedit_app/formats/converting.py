@@ -12,7 +12,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.resample import at_rate
 from faceedit_app.formats.opening import write_take
 from faceedit_app.formats.registry import Format
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timecode import start_of_day, write_timecode
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
 from faceedit_app.formats.timing import find_gaps
@@ -24,6 +24,7 @@ def convert(
     form: Format,
     rate: float | None = None,
     edited: Clip | None = None,
+    like: Source | None = None,
 ) -> Clip:
     """Write a take in a format, and return its clip as written.
 
@@ -34,6 +35,7 @@ def convert(
         form: a format that can be written, or the take's own if `rate` is.
         rate: frames per second; None = the take's own.
         edited: the take's clip with other weights and rotations; None = as it is.
+        like: a source in whose style the file is written; None = the take's own, in its format.
 
     Raises:
         FileError: the file cannot be written.
@@ -44,7 +46,9 @@ def convert(
         return clip
     assert form.write is not None
     clip = resampled(clip, rate, fill_gaps=not form.tells_times)
-    write_atomically(path, form.write(clip))
+    own = take.source if form.name == take.kind else like
+    styled = None if own is None else form.write_like(own, clip)
+    write_atomically(path, form.write(clip) if styled is None else styled)
     return clip
 
 

@@ -75,8 +75,9 @@ class CsvSource:
         scale: the value of a full blendshape in the file.
         turns: (9) the columns of the rotations; empty if there are none.
         lost: (L) the lines without a face that lie between frames.
-        count: the column with the number of values in each row, if any.
+        flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
+        seconds: the column of the times, if they are seconds.
     """
 
     table: Table
@@ -85,8 +86,9 @@ class CsvSource:
     scale: float = 1.0
     turns: Sequence[int] = ()
     lost: Sequence[int] = ()
-    count: int | None = None
+    flag: int | None = None
     confidence: int | None = None
+    seconds: int | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -145,9 +147,9 @@ class CsvSource:
             before = self.lines[int(np.searchsorted(frames, line)) - 1]
             cells, own = self.table.cells(before), self.table.cells(line)
             for k, cell in enumerate(own[: len(cells)]):
-                if cell.strip() and k != self.count:
+                if cell.strip() and k != self.flag:
                     cells[k] = cell
-            if self.confidence not in (None, self.count):
+            if self.confidence not in (None, self.flag):
                 cells[self.confidence] = b"0"
             for column, weight in zip(self.columns, row.tolist(), strict=True):
                 text = self.table.cells(before)[column]
@@ -155,6 +157,10 @@ class CsvSource:
             old = self.table.lines[line]
             out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
         return replace(self, table=replace(self.table, lines=tuple(out)))
+
+    def writer(self) -> Callable[[float], bytes]:
+        """What writes a weight, on the file's scale, as the file writes it."""
+        return self._writer(self.columns, self.scale)
 
     def _writer(self, columns: Sequence[int], scale: float) -> Callable[[float], bytes]:
         """What writes a number as the file writes those in some columns."""
@@ -175,5 +181,5 @@ def _replaced(cell: bytes, number: bytes) -> bytes:
 
 
 def bare(cell: bytes) -> bytes:
-    """A cell without the quotes and spaces around its number."""
-    return cell.strip().strip(b'"').strip()
+    """A cell without the quotes, spaces and percent sign around its number."""
+    return cell.strip().strip(b'"').strip().rstrip(b"%").rstrip()

@@ -20,6 +20,12 @@ from faceedit_app.core.arrays import Bools, Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, REPAIR, check_text, shown
+from faceedit_app.formats.lost_faces import (
+    has_no_numbers,
+    is_missing,
+    lost_rows,
+    says_lost,
+)
 
 _HEAD = 1 << 20  # bytes; enough for a header and a row
 _MOST_LINES = 6_000_000  # more than a day at 60 fps
@@ -27,31 +33,12 @@ _MOST_COLUMNS = 10_000
 _LONGEST_LINE = 2 << 20  # bytes
 _DELIMITERS = (b",", b";", b"\t")
 _BAR = b"|"  # also stands in Maya's names
-# What programs write in place of a missing number.
-_MISSING = {
-    *(
-        "",
-        "nan",
-        "-nan",
-        "+nan",
-        "na",
-        "n/a",
-        "#n/a",
-        "-nan(ind)",
-        "nan(ind)",
-        "#value!",
-        "#div/0!",
-    ),
-    *("null", "none", "nil", "undefined", "-", "--"),
-}
-_NO = {"0", "0.0", "0.00", "0.000", "false", "no"}
-_NOT_TRACKED = -1.0  # in every column of a row
-_FEWEST_NUMBERS = 3  # of a row that such numbers mark as lost
 _MOST_SEARCHED = 1000  # lines among which the header is looked for
 _PREAMBLE = 30  # lines that may stand before the header
 _COMMENT = b"#"
 _ERRORS = (b"#N/A", b"#VALUE!", b"#DIV/0!", b"#REF!")
-_DECIMAL_COMMA = re.compile(rb"[ \"]*[+-]?\d*,\d+(?:[eE][+-]?\d+)?[ \"]*")
+_DECIMAL_COMMA = re.compile(rb"[ \"]*[+-]?\d*,\d+(?:[eE][+-]?\d+)?[ \"%]*")
+_PERCENT = re.compile(rb"[ \"]*[+-]?\d*(?:[.,]\d+)? ?%[ \"]*")
 _QUOTED = re.compile('"((?:[^"]|"")*)"(.*)', re.DOTALL)
 _SPACED = re.compile(r'\s+"([^"]*)"(\s*)')
 
@@ -68,6 +55,7 @@ class Rows:
         numbers: (T, N) float64, finite.
         lines: (T) the index of the line of each frame.
         lost_lines: the lines of rows that have no frame, between the first and the last frame.
+        units: (N,) what a row of units says of the number columns; empty if there is none.
     """
 
     texts: list[tuple[str, ...]]
@@ -75,6 +63,7 @@ class Rows:
     numbers: Doubles
     lines: list[int]
     lost_lines: tuple[int, ...] = ()
+    units: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -89,6 +78,8 @@ class Table:
         delimiter: separates cells.
         mark: the first cell of every row, if any; lines without it are not rows.
         decimal: what stands between the units and the decimals of a number.
+        percent: whether numbers have a percent sign.
+        face: the column that numbers faces, and the one whose rows are read; None = all rows.
     """
 
     path: Path
@@ -98,6 +89,8 @@ class Table:
     delimiter: bytes
     mark: bytes | None = None
     decimal: bytes = b"."
+    percent: bool = False
+    face: tuple[int, str] | None = None
 
     def error(self, problem: str, remedy: str, line: int | None = None) -> FileError:
         """An error about this file, at the line with this index."""
@@ -121,25 +114,31 @@ class Table:
                 continue
             cells = self.cells(line)
             is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
-            if is_row:
+            if is_row and self._has_face(cells):
                 yield line, cells
+
+    def _has_face(self, cells: Cells) -> bool:
+        """Whether a row is one of the face that is read."""
+        if self.face is None:
+            return True
+        column, face = self.face
+        return column < len(cells) and plain_text(cells[column]) == face
 
     def read(
         self,
         text_columns: Sequence[int],
         number_columns: Sequence[int],
-        count: int | None = None,
+        flag: int | None = None,
     ) -> Rows:
         """Read some columns of all rows.
 
-        A row without numbers, with -1 in place of all, or with a count of 0 has lost the face: it
-        stays in the file but is not a frame. A first row of units is not a row.
+        A row without numbers, with -1 in place of all, or whose flag says so has lost the face: it
+        stays in the file but is not a frame (`lost_faces.py`). A first row of units is not a row.
 
         Args:
             text_columns: columns to read as texts.
             number_columns: columns to read as numbers; columns without any are all NaN.
-            count: the column with the number of values in each row, or with whether the face was
-                tracked, if any.
+            flag: the column that says whether a row has a face, if any.
 
         Raises:
             FileError: there is no row, a row is too short or too long, a cell is not a number,
@@ -147,29 +146,31 @@ class Table:
         """
         texts: list[tuple[str, ...]] = []
         lines: list[int] = []
-        zero: list[bool] = []
+        flagged: list[bool] = []
         flat = array("d")
+        units: tuple[str, ...] = ()
         nothing, width = array("d", [np.nan]) * len(number_columns), len(self.names)
         for line, cells in self.rows():
             if not texts and _is_units(cells, text_columns, number_columns):
+                units = tuple(plain_text(cells[k]) for k in number_columns)
                 continue
-            if len(cells) == width or self._fits(line, cells, number_columns, count):
+            if len(cells) == width or self._fits(line, cells, number_columns, flag):
                 flat.extend(self._numbers(line, cells, number_columns))
             else:
                 flat.extend(nothing)
                 cells += [b""] * (width - len(cells))
-            zero.append(count is not None and _is_zero(cells[count]))
+            flagged.append(self._says_lost(cells, flag))
             texts.append(tuple([self.text(cells[k]) for k in text_columns]))
             lines.append(line)
         if not texts:
             raise self.error("has a header but no frames", "export the take again", self.header)
         numbers = np.frombuffer(flat, np.float64).reshape(len(lines), len(number_columns))
-        lost = _lost(numbers, np.array(zero))
+        lost = lost_rows(numbers, np.array(flagged))
         self._check(numbers, lost, number_columns, lines)
         frames = np.flatnonzero(~lost)
         kept = [lines[i] for i in frames]
         between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
-        return Rows(texts, lost, numbers[frames], kept, tuple(between))
+        return Rows(texts, lost, numbers[frames], kept, tuple(between), units)
 
     def text(self, cell: bytes) -> str:
         """A cell's text, with a point in a number."""
@@ -183,9 +184,11 @@ class Table:
                 return [float(cells[k]) for k in columns]
             except ValueError:
                 pass
+        if has_no_numbers([plain_text(cells[k]) for k in columns]):
+            return [np.nan] * len(columns)
         return [self.number(line, k, cells[k]) for k in columns]
 
-    def _fits(self, line: int, cells: Cells, columns: Sequence[int], count: int | None) -> bool:
+    def _fits(self, line: int, cells: Cells, columns: Sequence[int], flag: int | None) -> bool:
         """Whether a row of unusual length has numbers; raises unless its kind is known."""
         wanted = len(self.names)
         if len(cells) > wanted:
@@ -196,8 +199,8 @@ class Table:
                 "remove the surplus cells or delete the line",
                 line,
             )
-        empty = all(_is_missing(cells[k]) for k in columns if k < len(cells))
-        if empty and (count is None or (count < len(cells) and _is_zero(cells[count]))):
+        empty = all(is_missing(plain_text(cells[k])) for k in columns if k < len(cells))
+        if empty and (flag is None or self._says_lost(cells, flag)):
             return False
         last = all(not self.lines[i].strip() for i in range(line + 1, len(self.lines)))
         what = "the last row is cut off" if last else "the row is too short"
@@ -207,11 +210,19 @@ class Table:
             line,
         )
 
+    def _says_lost(self, cells: Cells, flag: int | None) -> bool:
+        """Whether a row's flag says that the face was lost."""
+        if flag is None or flag >= len(cells):
+            return False
+        return says_lost(self.names[flag], plain_text(cells[flag]))
+
     def number(self, line: int, column: int, cell: bytes) -> float:
         """The number in a cell; NaN if it is missing. Raises FileError if it is something else."""
         text = self.text(cell)
-        if text.lower() in _MISSING:
+        if is_missing(text):
             return np.nan
+        if self.percent:
+            text = text.removesuffix("%").rstrip()
         try:
             if "_" in text:
                 raise ValueError(text)
@@ -260,7 +271,9 @@ def read_table(path: Path, content: bytes) -> Table:
     if cells is None:
         raise FileError(path, "a quoted cell does not end on its line", REPAIR, header + 1)
     names = tuple(plain_text(cell) for cell in cells)
-    return Table(path, lines, header, names, delimiter, decimal=_decimal(lines, header, delimiter))
+    cells = _first_cells(lines, header, delimiter)
+    percent = any(map(_PERCENT.fullmatch, cells))
+    return Table(path, lines, header, names, delimiter, decimal=_decimal(cells), percent=percent)
 
 
 def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
@@ -296,10 +309,14 @@ def _separators(line: bytes) -> int:
     return sum(map(line.count, _DELIMITERS))
 
 
-def _decimal(lines: Sequence[bytes], header: int, delimiter: bytes) -> bytes:
-    """What stands before the decimals of the numbers in the first rows."""
-    rows = [line.rstrip(b"\r\n") for line in lines[header + 1 : header + 1 + _PREAMBLE]]
-    cells = [cell for row in rows for cell in split_line(row, delimiter) or ()]
+def _first_cells(lines: Sequence[bytes], header: int, delimiter: bytes) -> Cells:
+    """The cells of the first rows."""
+    rows = (line.rstrip(b"\r\n") for line in lines[header + 1 : header + 1 + _PREAMBLE])
+    return [cell for row in rows for cell in split_line(row, delimiter) or ()]
+
+
+def _decimal(cells: Cells) -> bytes:
+    """What stands before the decimals of the numbers in some cells."""
     commas = sum(1 for cell in cells if _DECIMAL_COMMA.fullmatch(cell))
     return b"," if commas > sum(1 for cell in cells if b"." in cell) else b"."
 
@@ -315,7 +332,7 @@ def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> boo
     if max([*texts, *numbers]) >= len(cells):
         return False
     shown = [plain_text(cells[k]) for k in numbers]
-    if any(is_number(text) or text.lower() in _MISSING - {""} for text in shown):
+    if any(is_number(text) or (text and is_missing(text)) for text in shown):
         return False
     digits = any(character.isdigit() for k in texts for character in plain_text(cells[k]))
     return not digits and any(cells[k].strip() for k in [*texts, *numbers])
@@ -377,22 +394,3 @@ def plain_text(cell: bytes) -> str:
     if quoted is None:
         return text.strip()
     return (quoted[1].replace('""', '"') + quoted[2]).strip()
-
-
-def _lost(numbers: Doubles, zero: Bools) -> Bools:
-    """(R,) which rows have no frame: without a number (R, N), all -1, or with a count of 0."""
-    if zero.all() and np.nan_to_num(numbers).any():  # this tool never fills in the count
-        zero = np.zeros_like(zero)
-    lost: Bools = np.all(~np.isfinite(numbers), axis=1) | zero
-    if numbers.shape[1] >= _FEWEST_NUMBERS:
-        lost |= np.all(numbers == _NOT_TRACKED, axis=1)
-    return lost
-
-
-def _is_missing(cell: bytes) -> bool:
-    return plain_text(cell).lower() in _MISSING
-
-
-def _is_zero(cell: bytes) -> bool:
-    """Whether a count is 0, or the face was not tracked."""
-    return plain_text(cell).lower() in _NO

@@ -12,17 +12,22 @@ import numpy as np
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.core.names import canonical_channel
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
-from faceedit_app.formats.csv_table import Rows, Table, first_rows, read_table
+from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
 from faceedit_app.formats.files import LONGEST_NAME, shown
-from faceedit_app.formats.foreign import is_transposed
 from faceedit_app.formats.json_text import looks_like_json
+from faceedit_app.formats.lost_faces import flag_column, is_count, letters
+from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import TRACKED, RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
+from faceedit_app.formats.weights import PERCENT
 
-_COUNTS = ("blendshapecount", "numproperties")
+_FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
+_FEWEST_TIMES = 8  # that run forward in a column whose name does not say that it has times
+_PERCENT = re.compile(r"[\[(]?(?:%|percent|pct|0\s*(?:-|\.\.|to)\s*100)[\])]?", re.IGNORECASE)
 CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
@@ -41,9 +46,10 @@ _NAMES = {
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a CSV file with ARKit channels."""
-    if looks_like_json(content) or content.startswith(b"#usda") or is_transposed(content):
+    if looks_like_json(content) or content.startswith(b"#usda"):
         return 0.0
-    return 0.5 if any(map(canonical_channel, first_rows(content)[0])) else 0.0
+    names = first_rows(content)[0]
+    return 0.5 if any(map(naming_of(names), names)) else 0.0
 
 
 def read(path: Path, content: bytes, fps: float | None) -> Take:
@@ -62,11 +68,14 @@ def write(clip: Clip) -> bytes:
     for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
         lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
     if clip.confidence is not None:
-        # A confidence of 0 would mean that the face was lost.
-        cells = (f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in clip.confidence.tolist())
-        sure = [CONFIDENCE, *cells]
+        sure = [CONFIDENCE, *confidence_cells(clip.confidence)]
         lines = [f"{line},{cell}" for line, cell in zip(lines, sure, strict=True)]
     return ("\n".join(lines) + "\n").encode()
+
+
+def confidence_cells(confidence: Floats) -> list[str]:
+    """The texts of (T,) confidences; one of 0 would mean that the face was lost."""
+    return [f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in confidence.tolist()]
 
 
 @dataclass(frozen=True)
@@ -75,79 +84,102 @@ class _Places:
 
     Attributes:
         clocks: columns of times.
+        first: the first column, if its name says nothing.
         turns: those of `ROTATIONS`, in that order.
-        count: what says whether a row has a face.
-        said: `count`, if it is the number of blendshapes.
+        flag: what says whether a row has a face.
+        said: `flag`, if it is the number of blendshapes.
         confidence: how sure the tracker was.
+        rate: the frame rate.
     """
 
     clocks: list[int]
+    first: int | None
     turns: list[int]
-    count: int | None
+    flag: int | None
     said: int | None
     confidence: int | None
+    rate: int | None
 
     @classmethod
     def of(cls, table: Table, channels: Columns) -> _Places:
         """Find them by their names."""
         lower = [column.lower() for column in table.names]
-        letters = [re.sub(r"[\W_]", "", name) for name in lower]
-        count = next((letters.index(n) for n in (*_COUNTS, *TRACKED) if n in letters), None)
+        bare = [letters(name) for name in lower]
+        flag = flag_column(table.names)
         turns = [lower.index(name) for name in ROTATIONS if name in lower]
+        clocks = [k for k in time_columns(table.names) if k not in channels.indices]
+        rate = rate_column(table.names)
+        known = {*channels.indices, *clocks, *turns, flag, rate}
         return cls(
-            clocks=[k for k in time_columns(table.names) if k not in channels.indices],
+            clocks=clocks,
+            first=0 if 0 not in known else None,
             turns=turns if len(turns) == len(ROTATIONS) else [],
-            count=count,
-            said=count if count is not None and letters[count] in _COUNTS else None,
-            confidence=letters.index(CONFIDENCE) if CONFIDENCE in letters else None,
+            flag=flag,
+            said=flag if flag is not None and is_count(table.names[flag]) else None,
+            confidence=bare.index(CONFIDENCE) if CONFIDENCE in bare else None,
+            rate=rate,
         )
 
     @property
     def texts(self) -> list[int]:
         """The columns that are read as texts, in the order in which they are read."""
-        last = [place for place in (self.confidence, self.count) if place is not None]
-        return [*self.clocks, *self.turns, *last]
+        last = (self.first, self.rate, self.confidence, self.flag)
+        return [*self.clocks, *self.turns, *(place for place in last if place is not None)]
+
+    def cells(self, rows: Rows, column: int) -> list[str]:
+        """The texts of the frames in one of these columns."""
+        place = self.texts.index(column)
+        return [rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist()]
 
 
 def csv_take(
     table: Table,
     fps: float | None,
     name: str = "",
-    naming: Callable[[str], str | None] = canonical_channel,
+    naming: Callable[[str], str | None] | None = None,
 ) -> Take:
     """Make the take of a table.
 
     Args:
         fps: the frame rate, if the user gave one.
         name: the format's name; "" = named after the kind of its times.
-        naming: the channel that a column's name means, or None.
+        naming: the channel that a column's name means, or None; by default ARKit's.
 
     Raises:
         RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
-    found = find_channels(table, naming)
+    found = find_channels(table, naming or naming_of(table.names))
+    table, faces = _one_face(table)
     places = _Places.of(table, found)
-    rows = table.read(places.texts, found.indices, places.count)
+    rows = table.read(places.texts, found.indices, places.flag)
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
-    times = _times(table, places.clocks, rows)
+    times = _times(table, places, rows)
     used = {times.column, places.said, *columns.indices}
     carried = [name for k, name in enumerate(table.names) if k not in used]
+    frames = np.flatnonzero(~rows.lost)
+    stated = rate_in_table(table, partial(places.cells, rows))
+    scale, scale_notes = _scale(table, columns, rows)
     recording = Recording(
         path=table.path,
         format=name or _NAMES[times.kind],
         channels=columns.channels,
         values=rows.numbers[:, ~empty],
-        timing=times.timing,
+        timing=settled(times.timing, stated, frames),
         lost=rows.lost,
-        timecodes=_timecodes(places.clocks, rows, times),
+        timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried),
-        notes=(*_empty_notes(found, columns), *_count_notes(table, rows, places.said)),
-        rotations=_rotations(rows, len(places.clocks)) if places.turns else None,
-        confidence=None
-        if places.confidence is None
-        else _confidence(rows, len(places.clocks) + len(places.turns)),
+        notes=(
+            *faces,
+            *(_name_notes(table, found) if naming is None else ()),
+            *_empty_notes(found, columns),
+            *scale_notes,
+            *_count_notes(table, places, rows),
+        ),
+        rotations=_rotations(places, rows),
+        confidence=_confidence(places, rows),
+        scale=scale,
     )
     source = partial(
         CsvSource,
@@ -156,8 +188,9 @@ def csv_take(
         columns.indices,
         turns=tuple(places.turns),
         lost=rows.lost_lines,
-        count=places.count,
+        flag=places.flag,
         confidence=places.confidence,
+        seconds=times.column if times.kind == "seconds" else None,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:
@@ -173,40 +206,103 @@ def _positions(rows: Rows) -> tuple[float, ...]:
     return tuple((before + (place + 1) / (counts[before] + 1)).tolist())
 
 
-def _times(table: Table, clocks: list[int], rows: Rows) -> RowTimes:
-    frames = np.flatnonzero(~rows.lost).tolist()
-    cells = [[rows.texts[row][k] for row in frames] for k in range(len(clocks))]
-    if not frames:
+def _one_face(table: Table) -> tuple[Table, tuple[str, ...]]:
+    """The table without the rows of other faces than the first, with a note about them.
+
+    A tracker may also number a face that it has found again; then no time comes twice.
+    """
+    column = next((k for k, name in enumerate(table.names) if letters(name) in _FACES), None)
+    clocks = [k for k in time_columns(table.names) if k != column]
+    if column is None or not clocks:
+        return table, ()
+    needed = max(column, clocks[0])
+    rows = [cells for _, cells in table.rows() if len(cells) > needed]
+    faces = [plain_text(cells[column]) for cells in rows]
+    moments = {cells[clocks[0]] for cells in rows}
+    if len(set(faces)) < 2 or len(moments) == len(rows):
+        return table, ()
+    name, first = shown(table.names[column]), next(filter(None, faces), "")
+    note = f"has rows of {len(set(faces))} faces: those with {shown(first)} as {name} are read"
+    return replace(table, face=(column, first)), (note,)
+
+
+def _times(table: Table, places: _Places, rows: Rows) -> RowTimes:
+    if rows.lost.all():
         return RowTimes(NoTimes("has no row with a tracked face"))
-    return read_times(table, clocks, cells, rows.lines)
+    cells = [places.cells(rows, column) for column in places.clocks]
+    found = read_times(table, places.clocks, cells, rows.lines)
+    if places.first is None or not isinstance(found.timing, NoTimes) or found.kind == "frames":
+        return found
+    return _guessed_times(table, places.first, places.cells(rows, places.first), rows) or found
 
 
-def _timecodes(clocks: list[int], rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
+def _guessed_times(table: Table, column: int, cells: list[str], rows: Rows) -> RowTimes | None:
+    """The times in a column of any name, if it runs forward in every row."""
+    try:
+        found = read_times(table, [column], [cells], rows.lines)
+    except FileError:
+        return None
+    timing = found.timing
+    if len(set(cells)) < max(len(cells), _FEWEST_TIMES):
+        return None
+    if isinstance(timing, NoTimes):
+        return found if found.kind == "frames" else None
+    note = f'the first column, "{shown(table.names[column])}", is read as times'
+    return replace(found, timing=replace(timing, notes=(note, *timing.notes)))
+
+
+def _says_percent(table: Table, columns: Columns, rows: Rows) -> bool:
+    """Whether the names of the channels, or a row of units, say that the weights are percent."""
+    said = [unit for unit in rows.units if unit]
+    if not said:  # the end of each name
+        said = [re.split(r"[\s_]+|(?=[\[(])", table.names[k])[-1] for k in columns.indices]
+    return bool(said) and all(map(_PERCENT.fullmatch, said))
+
+
+def _scale(table: Table, columns: Columns, rows: Rows) -> tuple[float | None, tuple[str, ...]]:
+    """The value of a full blendshape if the file says it, and a note if it cannot be right."""
+    if table.percent:
+        return PERCENT, ()
+    if not _says_percent(table, columns, rows):
+        return None, ()
+    if np.nanmax(np.abs(rows.numbers), initial=0.0) > 1:
+        return PERCENT, ()
+    return None, ("the names say percent, but the weights run from 0 to 1: read as such",)
+
+
+def _timecodes(places: _Places, rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
     if times.kind != "timecode" or times.column is None:
         return None
-    place = clocks.index(times.column)
-    return tuple(rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist())
+    return tuple(places.cells(rows, times.column))
 
 
-def _rotations(rows: Rows, start: int) -> Floats | None:
-    """(T, 9) of the text columns from `start`; None if a cell is not a number."""
-    frames = np.flatnonzero(~rows.lost).tolist()
+def _rotations(places: _Places, rows: Rows) -> Floats | None:
+    """(T, 9) of `ROTATIONS`; None if there are none, or a cell is not a number."""
     try:
-        cells = [rows.texts[row][start : start + len(ROTATIONS)] for row in frames]
-        found = np.array(cells, np.float64).astype(np.float32)
+        cells = [places.cells(rows, column) for column in places.turns]
+        found = np.array(cells, np.float64).T.astype(np.float32)
     except ValueError:
         return None
-    return found if np.isfinite(found).all() else None
+    return found if cells and np.isfinite(found).all() else None
 
 
-def _confidence(rows: Rows, place: int) -> Floats | None:
-    """(T,) of a text column; None if it holds something else than numbers from 0 to 1."""
-    frames = np.flatnonzero(~rows.lost).tolist()
+def _confidence(places: _Places, rows: Rows) -> Floats | None:
+    """(T,) how sure the tracker was; None if the column holds other than numbers from 0 to 1."""
+    if places.confidence is None:
+        return None
     try:
-        found = np.array([float(rows.texts[row][place] or 0) for row in frames], np.float64)
+        cells = places.cells(rows, places.confidence)
+        found = np.array([float(cell or 0) for cell in cells], np.float64)
     except ValueError:
         return None
     return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
+
+
+def _name_notes(table: Table, found: Columns) -> tuple[str, ...]:
+    name = table.names[found.indices[0]]
+    if canonical_channel(name):
+        return ()
+    return (f'"{shown(name)}" and the like are read as {found.channels[0]} and so on',)
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
@@ -216,14 +312,15 @@ def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
     return (f"no row has a number for {', '.join(empty)}: carried",)
 
 
-def _count_notes(table: Table, rows: Rows, count: int | None) -> tuple[str, ...]:
-    if count is None:
+def _count_notes(table: Table, places: _Places, rows: Rows) -> tuple[str, ...]:
+    if places.said is None:
         return ()
     # The tracker's confidence stands after what is counted.
     values = len(table.names) - 2 - (table.names[-1].lower() == CONFIDENCE)
-    frames = np.flatnonzero(~rows.lost).tolist()
-    said = {rows.texts[row][-1].removesuffix(".0") for row in frames}
+    said = {text.removesuffix(".0") for text in places.cells(rows, places.said)}
     wrong = [shown(text) for text in sorted(said - {str(values)})]
     if not wrong:
         return ()
-    return (f"{table.names[count]} says {', '.join(wrong[:3])}, the header has {values} values",)
+    return (
+        f"{table.names[places.said]} says {', '.join(wrong[:3])}, the header has {values} values",
+    )

@@ -11,7 +11,6 @@ from faceedit_app.formats.csv_table import first_rows, plain_text
 
 _HEAD = 1 << 16
 _FEWEST_COLUMNS = 5  # columns of unnamed numbers that look like a face
-_FEWEST_LINES = 5  # lines of a table that name a channel
 _MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
 _ACTION_UNIT = re.compile(rb"^[^\n]*\bAU\d\d(?:_[rc])?\b[^\n]*\bAU\d\d", re.MULTILINE)
 _GLTF = re.compile(rb'\s*\{.*"asset"\s*:\s*\{[^}]*"version"', re.DOTALL)
@@ -74,13 +73,6 @@ def _is_nameless(content: bytes) -> bool:
     return len(cells) >= _FEWEST_COLUMNS and all(map(_is_number, [*cells, *row]))
 
 
-def is_transposed(content: bytes) -> bool:
-    """A table with one line per channel."""
-    lines = content[:_HEAD].splitlines()[:80]
-    heads = [plain_text(re.split(rb"[,;\t]", line)[0]) for line in lines]
-    return sum(1 for head in heads[1:] if canonical_channel(head)) > _FEWEST_LINES
-
-
 def _is_spaced(content: bytes) -> bool:
     """A table whose columns are separated by spaces."""
     names = next((line.split() for line in content[:_HEAD].splitlines() if line.strip()), [])
@@ -110,8 +102,8 @@ _FOREIGN: tuple[Foreign, ...] = (
             _starts(b"animVersion", b"atomVersion", b"//Maya", b"FOR4", b"FOR8")),
     Foreign("is a Blender file", "export the head as GLB with its shape keys and animation",
             _starts(b"BLENDER")),
-    Foreign("is an animation clip of Unity",
-            "write its blendShape curves as CSV with a line of ARKit names at the top",
+    Foreign("is a file of Unity without curves of ARKit's shapes",
+            "save the animation clip of the face as text (.anim)",
             _has(b"tag:unity3d.com")),
     Foreign("holds action units, which are not ARKit's blendshapes",
             "open the film itself, which FaceEdit tracks", _matches(_ACTION_UNIT)),
@@ -138,8 +130,6 @@ _FOREIGN: tuple[Foreign, ...] = (
             lambda content: _MATRIX.match(content) is not None),
     Foreign("holds numbers without the names of their channels",
             "write the ARKit names of the columns in a line at the top", _is_nameless),
-    Foreign("has a line for each channel, not for each frame",
-            "transpose it in a spreadsheet and save it as CSV", is_transposed),
     Foreign("separates its columns by spaces", "save it as CSV with commas", _is_spaced),
     Foreign("is a BVH file, which has no blendshapes", "export the face as CSV or GLB",
             _starts(b"HIERARCHY")),

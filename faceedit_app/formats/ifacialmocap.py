@@ -16,8 +16,8 @@ import numpy as np
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import BOM, check_text, shown
-from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.number_spans import WHOLE, SpanSource
+from faceedit_app.formats.stated_rate import rate_in_lines, settled
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import text_times
 from faceedit_app.formats.timecode import BadTimecode
@@ -29,14 +29,17 @@ _HEAD = 1 << 16
 _RATE = 60.0  # frames a second that the phone sends
 # From where a word begins: a search in one long word would look at all of it from each letter.
 _STREAM = re.compile(rb"\b\w{1,64}[-&]\d{1,3}(?:\.\d+)?\|\w+[-&]\d{1,3}(?:\.\d+)?\|")
-_WEIGHT = re.compile(rb"(?:^|[|\s])([A-Za-z_]+)\s*[-&]\s*(-?\d{1,4}(?:\.\d{1,9})?)(?=\s*(?:\||$))")
-_TIME = re.compile(rb"([\d:;.,T-]*\d)[|,;\s]+(?=[A-Za-z])")
+_WEIGHT = re.compile(
+    rb"(?:^|[|\s,;\]\"'])([A-Za-z_]+)\s*[-&]\s*(-?\d{1,4}(?:\.\d{1,9})?)(?=\s*(?:\||$))"
+)
+_TIME = re.compile(rb"\[?([\d:;.,T-]*\d)\]?[|,;\s]+\"?(?=[A-Za-z])")
+_JSON = re.compile(rb"\s*(?:\{|\[\s*[{\"\[])")
 _PARTS = ("head", "rightEye", "leftEye")
 
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a stream of iFacialMocap."""
-    if looks_like_json(content):
+    if _JSON.match(content.removeprefix(BOM)):
         return 0.0
     found = _STREAM.search(content[:_HEAD])
     names = re.findall(rb"[A-Za-z_]+", found[0]) if found else []
@@ -54,11 +57,15 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     rows: list[dict[str, tuple[int, int]]] = []
     times: list[str] = []
     lines: list[int] = []
+    before: list[str] = []
     start = 0
     for number, line in enumerate(content.splitlines(keepends=True), 1):
         text = line.rstrip(b"\r\n")
-        if text.removeprefix(BOM).strip():
-            rows.append(_weights(path, text, start, number))
+        weights = _weights(path, text, start, number)
+        if not weights and not any(rows):
+            before.append(text.decode("utf-8", "replace"))
+        elif text.removeprefix(BOM).strip():
+            rows.append(weights)
             stamp = _TIME.match(text.removeprefix(BOM).lstrip())
             times.append(stamp[1].decode() if stamp else "")
             lines.append(number)
@@ -74,12 +81,13 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     spans = np.array([[rows[t][channel] for channel in channels] for t in kept], np.int64)
     spans = spans.reshape(len(kept), len(channels), 2)
     values = [[float(content[a:b]) for a, b in row] for row in spans.tolist()]
+    timing = _timing(path, [times[t] for t in kept], [lines[t] for t in kept])
     recording = Recording(
         path=path,
         format=FORMAT,
         channels=channels,
         values=np.array(values, np.float64).reshape(spans.shape[:2]),
-        timing=_timing(path, [times[t] for t in kept], [lines[t] for t in kept]),
+        timing=settled(timing, rate_in_lines(before), kept),
         lost=lost,
         carried=tuple(part for part in _PARTS if part.encode() + b"#" in content),
         scale=PERCENT,

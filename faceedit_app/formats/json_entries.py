@@ -8,7 +8,7 @@ ARKit's own dictionary. An entry per weight has a name, a number and a time.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import islice
 from typing import Any
@@ -17,7 +17,8 @@ from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, Place, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
-from faceedit_app.formats.time_columns import TRACKED, time_columns
+from faceedit_app.formats.lost_faces import is_flag, says_lost
+from faceedit_app.formats.time_columns import time_columns
 from faceedit_app.formats.timecode import is_timecode
 
 DEEPEST = 5
@@ -27,12 +28,19 @@ TRIED = 50  # entries of a list that are looked at for weights, since the first 
 NAMES = (
     *("name", "categoryname", "displayname", "shape", "shapename", "blendshape", "blendshapename"),
     *("key", "channel", "channelname", "curve", "parameter", "param", "target", "id", "k"),
+    *("datapath", "attribute", "property", "propertyname"),
 )
-_NUMBERS = ("score", "value", "weight", "val", "v", "w")
-_SIDES = ("left", "right")
+NUMBERS = ("score", "value", "weight", "val", "v", "w")
+_SIDES = ("left", "right", "l", "r")
+_DEEPEST_NAME = 3  # parts of a name before its last
 _FEW = 6  # entries of an object that holds one weight
 _LONGEST_KEY = 60
 _PLAIN = re.compile(r"\d+(?:\.\d+)?")
+_NUMBERED = re.compile(r"([A-Za-z]{1,12}[ _-]?)(\d+)")
+_MORE = 4  # entries that an inner list must have to be the frames of one face
+
+Frames = tuple[Sequence[str], Sequence[Any]]
+"""The entries of frames, and their keys if they have some."""
 
 Weights = Mapping[str, Any]
 """Numbers by name, as places in the document or None."""
@@ -43,7 +51,8 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     found = next((one for one in _lists(text.document, 0) if _have_weights(one[1], naming)), None)
     if found is None:
         return None
-    keys, entries = found
+    (keys, entries), faces = _of_one_face(found, naming)
+    entries = entries if keys else _without_ends(entries, naming)
     sets = [list(_sets(entry, naming)) for entry in entries]
     weights = [_merged(one) for one in sets]
     lost = [_is_lost(text, entry) for entry in entries]
@@ -60,11 +69,11 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         clock[-1] if clock else "time",
         rate,
         naming,
-        _notes(sets),
+        (*faces, *_notes(sets)),
     )
 
 
-def _lists(entry: Any, depth: int) -> Iterator[tuple[Sequence[str], Sequence[Any]]]:
+def _lists(entry: Any, depth: int) -> Iterator[Frames]:
     """Lists that may be the frames, the outermost first, with the names of their entries."""
     if depth > DEEPEST:
         return
@@ -74,10 +83,50 @@ def _lists(entry: Any, depth: int) -> Iterator[tuple[Sequence[str], Sequence[Any
         if len(entry) > 1 and all(map(_is_number, entry)):
             keys = sorted(entry, key=float)
             yield keys, [entry[key] for key in keys]
+        elif len(entry) > 1 and (numbers := _numbered(entry)):
+            ordered = sorted(zip(numbers, entry.values(), strict=True), key=lambda one: one[0])
+            yield [str(number) for number, _ in ordered], [value for _, value in ordered]
         elif len(entry) > 1 and all(map(is_timecode, entry)):
             yield list(entry), list(entry.values())
         for inner in islice(entry.values(), MOST_NAMES):
             yield from _lists(inner, depth + 1)
+
+
+def _of_one_face(found: Frames, naming: Naming) -> tuple[Frames, tuple[str, ...]]:
+    """The frames, of the first face if the entries found are faces with frames of their own."""
+    entries = found[1]
+    inner = [one for one in _lists(entries[0], 1) if _have_weights(one[1], naming)]
+    own = max(inner, key=lambda one: len(one[1]), default=((), ()))
+    if len(own[1]) <= max(len(entries), _MORE):
+        return found, ()
+    first, second = (set(next(_sets(entry, naming), {})) for entry in own[1][:2])
+    if not first & second:  # parts of one frame
+        return found, ()
+    note = f"holds the frames of {len(entries)} faces or takes: the first are read"
+    return own, (note,) if len(entries) > 1 else ()
+
+
+def _without_ends(entries: Sequence[Any], naming: Naming) -> Sequence[Any]:
+    """The entries without a first or last one that is no frame, such as a header of JSON Lines."""
+    frame = next((e for e in entries[:TRIED] if next(_sets(e, naming), {})), None)
+    keys = as_object(frame).keys()
+
+    def is_other(entry: Any) -> bool:
+        if not entry or not isinstance(entry, dict) or next(_sets(entry, naming), {}):
+            return False
+        return keys.isdisjoint(entry)
+
+    start = 1 if keys and is_other(entries[0]) else 0
+    end = len(entries) - (1 if keys and is_other(entries[-1]) else 0)
+    return entries[start:end]
+
+
+def _numbered(keys: Iterable[str]) -> list[int]:
+    """The numbers of keys such as `frame_12`, all with the same word; empty if they are others."""
+    matches = [_NUMBERED.fullmatch(key) for key in keys]
+    found = [match for match in matches if match]
+    is_same = len(found) == len(matches) and len({match[1] for match in found}) == 1
+    return [int(match[2]) for match in found] if is_same else []
 
 
 def _is_number(text: str) -> bool:
@@ -86,8 +135,8 @@ def _is_number(text: str) -> bool:
 
 def _is_lost(text: JsonText, entry: Any) -> bool:
     """Whether a frame says that the face was not tracked: false, or a confidence of 0."""
-    flags = (value for key, value in as_object(entry).items() if letters(key) in TRACKED)
-    return any(value is False or text.number(value) == 0 for value in flags)
+    flags = ((key, value) for key, value in as_object(entry).items() if is_flag(key))
+    return any(says_lost(key, _text_of(text, value)) for key, value in flags)
 
 
 def _notes(sets: Sequence[Sequence[Weights]]) -> tuple[str, ...]:
@@ -128,17 +177,44 @@ def _sets(entry: Any, naming: Naming, depth: int = 0) -> Iterator[Weights]:
 
 
 def _of_object(entry: Mapping[str, Any], naming: Naming) -> Weights:
-    """The numbers of `{"jawOpen": 0.1}`, also as `{"value": 0.1}` or below "left" and "right"."""
+    """The numbers of `{"jawOpen": 0.1}`, also as `{"value": 0.1}`, and of nested names."""
     found = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
     for name, value in entry.items():
-        if isinstance(value, dict) and len(value) <= _FEW and naming(name):
-            number = _number_of(value)
-            if number is not None:
-                found[name] = number
-        elif isinstance(value, dict) and letters(name) in _SIDES:
-            sided = ((f"{inner}_{name}", one) for inner, one in value.items() if not naming(inner))
-            found |= {n: v for n, v in sided if naming(n) and isinstance(v, Place | None)}
+        number = _number_of(value) if isinstance(value, dict) and len(value) <= _FEW else None
+        if number is not None and naming(name):
+            found[name] = number
+        elif isinstance(value, dict):
+            found |= dict(_nested((name,), value, naming))
     return found
+
+
+def _nested(
+    path: tuple[str, ...], entry: Mapping[str, Any], naming: Naming
+) -> Iterator[tuple[str, Any]]:
+    """The numbers of `{"jaw": {"open": 0.1}}` or `{"left": {"eyeBlink": 0.1}}`, by joined name.
+
+    A name that is a channel without the outermost one is found there.
+    """
+    if len(path) > _DEEPEST_NAME or len(entry) > MOST_NAMES:
+        return
+    for name, value in entry.items():
+        longer = (*path, name)
+        if isinstance(value, dict):
+            number = _number_of(value) if len(value) <= _FEW else None
+            if number is None:
+                yield from _nested(longer, value, naming)
+                continue
+            value = number
+        if not isinstance(value, Place | None):
+            continue
+        joined = _joined(longer)
+        if naming(joined) and not any(naming(_joined(longer[k:])) for k in range(1, len(longer))):
+            yield joined, value
+
+
+def _joined(path: tuple[str, ...]) -> str:
+    """A name from its parts, a side last."""
+    return "_".join(sorted(path, key=lambda part: letters(part) in _SIDES))
 
 
 def _of_list(entries: Sequence[Any]) -> Weights:
@@ -159,7 +235,7 @@ def _named_number(entry: Any) -> tuple[str, Any] | None:
         return None
     keys = {letters(key): key for key in reversed(entry)}
     name = next((entry[keys[k]] for k in NAMES if k in keys and is_text(entry[keys[k]])), None)
-    number = next((keys[key] for key in _NUMBERS if key in keys), None)
+    number = next((keys[key] for key in NUMBERS if key in keys), None)
     if name is None or number is None:
         return None
     value = entry[number]
@@ -167,7 +243,7 @@ def _named_number(entry: Any) -> tuple[str, Any] | None:
 
 
 def _number_of(entry: Mapping[str, Any]) -> Place | None:
-    numbers = (value for key, value in entry.items() if letters(key) in _NUMBERS)
+    numbers = (value for key, value in entry.items() if letters(key) in NUMBERS)
     return next((value for value in numbers if isinstance(value, Place)), None)
 
 

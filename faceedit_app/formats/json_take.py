@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,7 +13,9 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, shown
-from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list, as_object
+from faceedit_app.formats.json_rate import likely_rate
+from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list
+from faceedit_app.formats.lost_faces import lost_rows
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import number_times, text_times
 from faceedit_app.formats.timecode import BadTimecode
@@ -30,12 +31,6 @@ from faceedit_app.formats.timing import (
 
 Naming = Callable[[str], str | None]
 """The channel that a name in a file means, or None."""
-
-# In lower case, without anything but letters.
-_RATES = {"fps", "exportfps", "framerate", "framespersecond"}
-# These may also be the rate of the sound, which is far above.
-_OTHER_RATES = {"samplerate", "samplingrate", "rate", "hz", "frequency"}
-_FASTEST_CAMERA = 245.0  # frames per second
 
 
 @dataclass(frozen=True)
@@ -61,22 +56,6 @@ class JsonFrames:
     notes: tuple[str, ...] = ()
 
 
-def frame_rate(text: JsonText, document: Any) -> float | None:
-    """The frames per second that an object, or one right below it, gives.
-
-    In a list, such as JSON Lines, the first entry counts.
-    """
-    outer = as_object(document[0] if isinstance(document, list) and document else document)
-    for entry in (outer, *map(as_object, outer.values())):
-        for name, value in entry.items():
-            word, rate = re.sub(r"[^a-z]", "", name.lower()), text.number(value)
-            if rate is None:
-                continue
-            if word in _RATES or (word in _OTHER_RATES and SLOWEST <= rate <= _FASTEST_CAMERA):
-                return rate
-    return None
-
-
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
     """Make the take of a document.
 
@@ -94,7 +73,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     filled = ~np.all(np.isnan(values), axis=0)
     channels = tuple(channel for channel, is_there in zip(columns, filled, strict=True) if is_there)
     missing = np.isnan(values[:, filled])
-    lost = np.all(missing, axis=1)
+    lost = lost_rows(values[:, filled], np.zeros(len(values), bool))
     incomplete = np.argwhere(missing & ~lost[:, None])
     if len(incomplete):
         row, k = incomplete[0]
@@ -158,7 +137,7 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
             return text_times(dates)
     except NoTimes as none:
         if frames.rate is None:
-            return none
+            return NoTimes(none.problem, likely_rate(text, none.rate), none.numbers)
         if none.numbers is not None and SLOWEST <= frames.rate <= FASTEST:
             return none.timing_at(frames.rate, kept)
     except BadTimecode as bad:
@@ -170,7 +149,7 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
         problem = f"the time of frame {frame} does not come after that of the frame before it"
         raise text.error(problem, "sort the frames by time", place) from None
     if frames.rate is None:
-        return NoTimes("has neither times nor a frame rate", DEFAULT_RATE)
+        return NoTimes("has neither times nor a frame rate", likely_rate(text))
     if not SLOWEST <= frames.rate <= FASTEST:
         return NoTimes(f"gives {frames.rate:g} as its frame rate", DEFAULT_RATE)
     if len(kept) == 1:

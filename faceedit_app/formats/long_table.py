@@ -30,6 +30,7 @@ from faceedit_app.formats.json_take import Naming
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.number_spans import SpanSource
+from faceedit_app.formats.stated_rate import rate_in_table, settled
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
 from faceedit_app.formats.timing import NoTimes
@@ -38,7 +39,10 @@ FORMAT = "CSV with a line for each weight"
 _HEAD = 1 << 16
 _SAMPLE = 200  # lines
 _FEWEST_LINES, _MOST = 5, 0.6  # lines of a table, and the share of them that name a channel
-_VALUES = {"value", "values", "weight", "weights", "score", "val", "v", "w", "amount", "intensity"}
+_VALUES = {
+    *("value", "values", "weight", "weights", "score", "val", "v", "w", "amount", "intensity"),
+    *("wert", "valeur", "valor", "valore"),
+}
 _DELIMITERS = (b",", b";", b"\t", b"|")
 
 
@@ -94,12 +98,14 @@ def _name_column(
     if len(rows) < _FEWEST_LINES:
         return None
     width = max(map(len, rows))
+    if width < 2:
+        return None
     shares = [
         np.mean([k < len(row) and naming(plain_text(row[k])) is not None for row in rows])
         for k in range(min(width, 50))
     ]
     best = int(np.argmax(shares))
-    return best if width > 1 and shares[best] >= _MOST else None
+    return best if shares[best] >= _MOST else None
 
 
 def _with_header(table: Table) -> Table:
@@ -178,12 +184,13 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     first = [lines[int(n)] for n in places.min(axis=1)] if len(kept) else []
     texts = [[frames[t][k] for t in kept] if any(keys) else [] for k in range(len(layout.clocks))]
     times = read_times(table, layout.clocks if any(keys) else (), texts, first)
+    stated = rate_in_table(table, lambda column: [table.text(row[column]) for row in rows])
     recording = Recording(
         path=table.path,
         format=FORMAT,
         channels=channels,
         values=values[kept],
-        timing=times.timing if len(kept) else NoTimes("has no frames"),
+        timing=settled(times.timing, stated, kept) if len(kept) else NoTimes("has no frames"),
         lost=lost,
         timecodes=_timecodes(layout, times, texts),
         carried=tuple(shown(name, LONGEST_NAME) for name in found if naming(name) is None),
@@ -199,9 +206,15 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
 
 
 def _without_counters(table: Table, rows: Sequence[Cells], layout: Layout) -> Layout:
-    """The layout without columns that number the lines, which are no times of frames."""
-    kept = tuple(k for k in layout.clocks if len({table.text(row[k]) for row in rows}) < len(rows))
-    return replace(layout, clocks=kept)
+    """The layout without columns that number the lines or the channels, not the frames."""
+    names = [row[layout.name] for row in rows]
+    kept = []
+    for k in layout.clocks:
+        texts = [table.text(row[k]) for row in rows]
+        of_names = len(set(zip(names, texts, strict=True))) == len(set(names)) == len(set(texts))
+        if len(set(texts)) < len(rows) and not (of_names and len(set(names)) > 1):
+            kept.append(k)
+    return replace(layout, clocks=tuple(kept))
 
 
 def _timecodes(

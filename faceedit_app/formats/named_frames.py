@@ -10,7 +10,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from faceedit_app.formats.json_take import JsonFrames, frame_rate, json_take
+from faceedit_app.core.names import naming_of
+from faceedit_app.formats.json_rate import frame_rate
+from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
 from faceedit_app.formats.take import Take
 
@@ -44,10 +46,12 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     times = [as_object(entry).get("time") for entry in entries]
     if None in times:
         times = next((as_list(lists[key]) for key in _TIME_KEYS if key in lists), [])
+    names = next((as_list(lists[key]) for key in _NAME_KEYS if key in lists), [])
     frames = JsonFrames(
-        next((as_list(lists[key]) for key in _NAME_KEYS if key in lists), []),
+        names,
         weights,
         times if len(times) == len(entries) else (),
         rate=frame_rate(text, document),
+        naming=naming_of(name for name in names if isinstance(name, str)),
     )
     return json_take(text, FORMAT, frames, fps)

@@ -26,6 +26,7 @@ class SpanSource:
         scale: the value of a full blendshape in the file.
         decimal: what stands between the units and the decimals of a number.
         form: how to write a number; None = as the file's others are written.
+        copies: (T, K, 2) each, where the file has the same weights again; -1 if it does not.
     """
 
     content: bytes
@@ -33,6 +34,7 @@ class SpanSource:
     scale: float = 1.0
     decimal: bytes = b"."
     form: NumberFormat | None = None
+    copies: tuple[NDArray[np.int64], ...] = ()
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -40,6 +42,9 @@ class SpanSource:
         if not changed.any():
             return self.content
         spans, values = self.spans[changed], edited[changed].astype(np.float64) * self.scale
+        spans = np.concatenate([spans, *(copy[changed] for copy in self.copies)])
+        values = np.tile(values, 1 + len(self.copies))
+        spans, values = spans[spans[:, 0] >= 0], values[spans[:, 0] >= 0]
         order = np.argsort(spans[:, 0])
         write, pieces, done = self._writer(), [], 0
         for (start, end), value in zip(spans[order].tolist(), values[order].tolist(), strict=True):

@@ -15,6 +15,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.formats import (
     audio2face,
     azure_speech,
+    csv_style,
     csv_take,
     facecap,
     glb_animation,
@@ -25,12 +26,14 @@ from faceedit_app.formats import (
     metahuman,
     named_frames,
     named_weights,
+    transposed,
+    unity_clip,
     usd_text,
 )
 from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
 from faceedit_app.formats.foreign import recognise_foreign
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import Source, Take
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,7 @@ class Format:
         read: opens a file: path, content, and the frame rate if the user gave one.
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
+        write_like: as `write`, in the style of a source; gives None for one that has no style.
         tells_times: whether its frames have times, not only a rate.
         keeps_rotations: whether `write` keeps the rotations of head and eyes.
         keeps_confidence: whether it keeps how sure the tracker was.
@@ -63,6 +67,7 @@ class Format:
     sniff: Callable[[bytes], float]
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
+    write_like: Callable[[Source, Clip], bytes | None] = lambda source, clip: None
     tells_times: bool = True
     keeps_rotations: bool = False
     keeps_confidence: bool = False
@@ -82,7 +87,8 @@ FORMATS: tuple[Format, ...] = (
            )),
     Format("csv", "CSV with ARKit names", (".csv", ".tsv"), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
-           csv_take.sniff, csv_take.read, csv_take.write, keeps_confidence=True, hints=(
+           csv_take.sniff, csv_take.read, csv_take.write, csv_style.write_like,
+           keeps_confidence=True, hints=(
                ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),
                ("Spreadsheets", "one row a frame: seconds, then a column for each channel"),
            )),
@@ -102,6 +108,8 @@ FORMATS: tuple[Format, ...] = (
            "scripts that save what iFacialMocap sends", ifacialmocap.sniff, ifacialmocap.read),
     Format("long", long_table.FORMAT, (".csv", ".tsv"), "text/csv",
            "data frames and databases (pandas, R, SQL)", long_table.sniff, long_table.read),
+    Format("transposed", transposed.FORMAT, (".csv", ".tsv"), "text/csv",
+           "Speech2BS, spreadsheets", transposed.sniff, transposed.read),
     Format("names", named_frames.FORMAT, (".json",), "application/json",
            "the BEAT dataset, LAM_Audio2Expression", named_frames.sniff, named_frames.read),
     Format("mediapipe", mediapipe.FORMAT, (".json",), "application/json",
@@ -112,6 +120,8 @@ FORMATS: tuple[Format, ...] = (
            "Unreal scripts that list a MetaHuman's curves", metahuman.sniff, metahuman.read),
     Format("glb", glb_animation.FORMAT, (".glb",), "model/gltf-binary",
            "Face Cap, Blender, XR Animator", glb_animation.sniff, glb_animation.read),
+    Format("unity", unity_clip.FORMAT, (".anim",), "",
+           "Unity, and recorders that are made with it", unity_clip.sniff, unity_clip.read),
     Format("usda", usd_text.FORMAT, (".usda",), "",
            "Audio2Face, Omniverse, FaceEdit itself", usd_text.sniff, usd_text.read),
 )
@@ -161,6 +171,22 @@ def takes_below(folder: Path) -> list[Path]:
     known = endings()
     paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)
     return [path for path in paths if path.suffix.lower() == ".csv" or is_take(path)]
+
+
+def no_takes_below(folder: Path) -> list[tuple[Path, str]]:
+    """The files below a folder that end like takes and are none, each with what is wrong with it.
+
+    A CSV counts as a take, see `takes_below`.
+    """
+    found = []
+    for path in sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings()):
+        if path.suffix.lower() == ".csv":
+            continue
+        try:
+            recognise(path, as_utf8(read_bytes(path))[0])
+        except FileError as error:
+            found.append((path, f"{error.problem}; {error.remedy}"))
+    return found
 
 
 def writable() -> tuple[Format, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.lost_faces import blank_notes
 from faceedit_app.formats.timing import (
     NoTimes,
     RateNeeded,
@@ -187,6 +188,7 @@ def finish_take(
         *timing.notes,
         *gap_notes(gaps),
         *lost_notes(recording.lost),
+        *blank_notes(clip.weights),
         *scale_notes(scale),
         *mixed_notes(values, scale, recording.channels),
     )
@@ -197,9 +199,11 @@ def finish_take(
 def _timing(recording: Recording, fps: float | None) -> Timing:
     found = recording.timing
     if isinstance(found, NoTimes):
+        rows = np.flatnonzero(~recording.lost)
         if fps is None:
-            raise RateNeeded(recording.path, found.problem, found.rate, len(recording.values))
-        return found.timing_at(fps, np.flatnonzero(~recording.lost))
+            length = found.timing_at(found.rate, rows).times[-1] * found.rate
+            raise RateNeeded(recording.path, found.problem, found.rate, round(float(length)) + 1)
+        return found.timing_at(fps, rows)
     if fps is not None and fps != found.rate:
         note = f"the frame rate was set to {format_rate(fps)}; by its times it is"
         notes = (*found.notes, f"{note} {format_rate(found.rate)}")

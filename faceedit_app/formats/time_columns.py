@@ -37,24 +37,35 @@ from faceedit_app.formats.timing import (
     typical_step,
 )
 
-_UNITS = {"seconds": 1.0, "milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9}
+_TICKS = "ticks of 100 ns"  # of .NET and Windows
+_UNITS = {
+    **{"seconds": 1.0, "milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9},
+    _TICKS: 1e-7,
+}
+# Ticks of our days since the year 1601 or 1: no other unit has such numbers.
+_SINCE_1601, _SINCE_1 = (1.2e17, 1.5e17), (6.2e17, 6.7e17)
 _UNIT_WORDS = {
-    **dict.fromkeys(("s", "sec", "secs", "seconds"), "seconds"),
-    **dict.fromkeys(("ms", "msec", "millis", "milliseconds"), "milliseconds"),
+    **dict.fromkeys(("s", "sec", "secs", "seconds", "sekunden"), "seconds"),
+    **dict.fromkeys(("ms", "msec", "millis", "milliseconds", "millisekunden"), "milliseconds"),
     **dict.fromkeys(("us", "usec", "micros", "microseconds"), "microseconds"),
     **dict.fromkeys(("ns", "nsec", "nanos", "nanoseconds"), "nanoseconds"),
+    "ticks": _TICKS,
 }
 _TIME_WORDS = {
     *("time", "times", "timestamp", "timestamps", "timecode", "tc", "t", "elapsed", "epoch"),
-    *("ts", "pts", "date", "datetime"),
+    *("ts", "pts", "date", "datetime", "stamp", "clock"),
+    # In German, French, Spanish, Italian, Portuguese, Dutch, Polish, Russian, Chinese, Japanese.
+    *("zeit", "zeitstempel", "uhrzeit", "temps", "tiempo", "tempo", "tijd", "czas"),
+    *("время", "时间", "時間", "時刻"),
 }
-_COUNT_WORDS = {"frame", "frames", "framenumber", "frameid", "index", "idx"}
-# Columns that say whether the face was tracked: 0 or false if not. Letters only, in lower case.
-TRACKED = (
-    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "detected"),
-    *("facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
-    *("numfaces", "facecount", "faces", "nfaces"),
-)
+_STEP_WORDS = {"delta", "dt", "deltatime", "timedelta"}  # the time since the row before
+_COUNT_WORDS = {
+    *("frame", "frames", "framenumber", "frameid", "index", "idx"),
+    *("bild", "bildnummer", "trame", "fotograma", "fotogramma", "帧", "フレーム"),
+}
+_PICTURE_WORDS = {"image", "img", "picture", "filename"}  # numbered like frames
+_NUMBER = re.compile(r"([+-]?\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(s|sec|ms|msec|us|ns)", re.ASCII)
+_NUMBERED = re.compile(r"(?:.*\D)?(\d{1,9})(?:\.[A-Za-z]{2,4})?", re.ASCII)
 _UNIVERSAL = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
 # Day, month and year in any order, then a clock time: only the clock counts.
 _LOCAL = re.compile(
@@ -105,10 +116,10 @@ def read_times(
     """
     useless: RowTimes | None = None
     for column, cells in zip(columns, texts, strict=True):
-        kind = _kind(cells)
+        name = table.names[column]
+        kind = _kind(cells, name)
         if kind is None:
             continue
-        name = table.names[column]
         try:
             kind, timing = _READERS[kind](cells, name)
         except NoTimes as none:
@@ -130,17 +141,20 @@ def read_times(
     return useless or RowTimes(NoTimes("has no column with times"))
 
 
-def text_times(cells: Sequence[str]) -> Timing:
-    """The times of rows that are texts: dates, timecodes or clock times.
+def text_times(cells: Sequence[str], name: str = "time") -> Timing:
+    """The times of rows that are texts: dates, timecodes, clock times, or numbers.
+
+    Args:
+        name: the file's name for them, which may contain a unit.
 
     Raises:
         BadTimecode: a text is none of them, or of another kind than most.
         NoTimes, BadRow: see `timing.time_rows`.
     """
-    kind = _kind(cells)
+    kind = _kind(cells, name)
     if kind is None:
         raise BadTimecode(0, cells[0])
-    return _READERS[kind](cells, "time")[1]
+    return _READERS[kind](cells, name)[1]
 
 
 def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:
@@ -159,13 +173,15 @@ def _words(name: str) -> list[str]:
 def _rank(name: str) -> int:
     words = {*_words(name), name.strip().lower()}
     unit = not words.isdisjoint(_UNIT_WORDS)
+    if not words.isdisjoint(_STEP_WORDS):
+        return 6
     if "timecode" in words:
         return 0
     if not words.isdisjoint(_TIME_WORDS):
         return 1 if unit else 2
     if unit and len(words) == 1:
         return 3
-    if not words.isdisjoint(_COUNT_WORDS):
+    if not words.isdisjoint(_COUNT_WORDS | _PICTURE_WORDS):
         return 4
     return 5 if not name else 9
 
@@ -174,11 +190,16 @@ def _rank(name: str) -> int:
 
 
 def _is_number(text: str) -> bool:
+    return _number(text) is not None
+
+
+def _number(text: str) -> float | None:
+    """The number that a text is, with or without a unit of time."""
+    match = _NUMBER.fullmatch(text)
     try:
-        float(text)
+        return None if "_" in text else float(match[1] if match else text)
     except ValueError:
-        return False
-    return "_" not in text
+        return None
 
 
 def _is_date(text: str) -> bool:
@@ -221,13 +242,20 @@ _KINDS: dict[str, Callable[[str], bool]] = {
 }
 
 
-def _kind(cells: Sequence[str]) -> str | None:
+def _kind(cells: Sequence[str], name: str = "") -> str | None:
     """The kind of most cells of a column, if it is a time or a number."""
     sample = cells[:: max(1, len(cells) // _SAMPLE)]
     for kind, fits in _KINDS.items():
         if sum(map(fits, sample)) * 2 >= len(sample):
             return kind
-    return None
+    counts = not (_COUNT_WORDS | _PICTURE_WORDS).isdisjoint(_words(name))
+    return "numbered" if counts and all(map(_NUMBERED.fullmatch, cells)) else None
+
+
+def _read_numbered(cells: Sequence[str], name: str) -> tuple[str, Timing]:
+    """Frames by the numbers in their names, such as `frame_0012.png`."""
+    matches = map(_NUMBERED.fullmatch, cells)
+    return number_times(np.array([float(m[1]) for m in matches if m], np.float64), name)
 
 
 def _read_dates(cells: Sequence[str], name: str) -> tuple[str, Timing]:
@@ -261,10 +289,14 @@ def date_times(cells: Sequence[str]) -> Timing:
 def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:
     values = np.empty(len(cells))
     for row, text in enumerate(cells):
-        values[row] = float(text) if _is_number(text) else np.nan
-        if not np.isfinite(values[row]):
+        number = _number(text)
+        if number is None or not np.isfinite(number):
             raise BadTimecode(row, text)
-    return number_times(values, name)
+        values[row] = number
+    if not _STEP_WORDS.isdisjoint(_words(name)) and np.all(values[1:] > 0):
+        values = np.cumsum(values)
+    unit = _NUMBER.fullmatch(cells[0])
+    return number_times(values, f"{name} {unit[2]}" if unit else name)
 
 
 def number_times(values: Times, name: str) -> tuple[str, Timing]:
@@ -282,17 +314,21 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
         return "seconds", single_row()
     steps = np.diff(values)
     if not np.any(steps > 0):
-        raise NoTimes("has the same time in every row")
+        backwards = np.any(steps < 0)
+        what = "times that do not run forward" if backwards else "the same time in every row"
+        raise NoTimes(f"has {what}")
     words = _words(name)
     named = next((_UNIT_WORDS[word] for word in reversed(words) if word in _UNIT_WORDS), None)
     if _counts_frames(steps, words, named):
-        likely = DEFAULT_RATE if _COUNT_WORDS.isdisjoint(words) else _FILM_RATE
+        counts = _COUNT_WORDS | _PICTURE_WORDS
+        likely = DEFAULT_RATE if counts.isdisjoint(words) else _FILM_RATE
         problem = f'numbers its frames in "{shown(name)}" and does not say how many make a second'
         typical = float(np.median(steps[steps > 0]))
         raise NoTimes(problem, likely, values / typical if np.all(steps > 0) else None)
     # If times repeat, the clock is slower than the rows.
     step = typical_step(steps) if np.mean(steps > 0) > 0.9 else float(steps.mean())
-    unit = _unit(step, named)
+    is_ticks = any(low < values[0] < high for low, high in (_SINCE_1601, _SINCE_1))
+    unit = _unit(step, _TICKS if is_ticks else named)
     if unit is None:
         raise NoTimes(f'has times in "{shown(name)}" that step by {step:g}')
     timing = time_rows(values * _UNITS[unit])
@@ -329,4 +365,5 @@ _READERS: dict[str, Callable[[Sequence[str], str], tuple[str, Timing]]] = {
     "number": _read_numbers,
     "date": _read_dates,
     "local": _read_local,
+    "numbered": _read_numbered,
 }

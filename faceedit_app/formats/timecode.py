@@ -19,6 +19,7 @@ from faceedit_app.formats.timecode_readings import (
     Reading,
     Stamps,
     assumed_base,
+    can_drop,
     count_frames,
     read_stamps,
 )
@@ -38,9 +39,11 @@ from faceedit_app.formats.timing import (
 
 _DAY, _HOUR = 86_400, 3600
 _FRAMES = re.compile(
-    r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:\.(\d{1,9}))?", re.ASCII
+    r"(\d{1,2})[:;](\d{1,2})[:;](\d{1,2})([:;])(\d{1,3})(?:[.,](\d{1,9}))?", re.ASCII
 )
-_CLOCK = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,9}))?", re.ASCII)
+_CLOCK = re.compile(  # pandas begins with the days
+    r"(?:\d+ days? \+?)?(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,9}))?", re.ASCII
+)
 _SHORT_CLOCK = re.compile(r"\d{1,2}:\d{1,2}[.,]\d{1,9}", re.ASCII)  # minutes and seconds
 _HUNDREDTHS = re.compile(r"(.*)[.,](\d\d)")
 _MOST_FRAMES = 60  # a second; hundredths of a second go on to 99
@@ -176,8 +179,9 @@ def time_of_day(text: str, base: int) -> float | None:
         stamps = parse_timecodes([text])
     except BadTimecode:
         return None
-    second = base / 1.001 if stamps.drop else float(base)
-    return float(count_frames(stamps, base, stamps.drop)[0]) / second
+    drop = stamps.drop and can_drop(base)
+    second = base / 1.001 if drop else float(base)
+    return float(count_frames(stamps, base, drop)[0]) / second
 
 
 def start_of_day(texts: Sequence[str]) -> float:

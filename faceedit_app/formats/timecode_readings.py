@@ -98,6 +98,7 @@ def read_stamps(stamps: Stamps) -> Reading:
 def _plain(stamps: Stamps, drop: bool) -> Reading:
     """`FF.sss`: frames and thousandths of a frame."""
     base, notes = _plain_base(stamps)
+    drop = drop and can_drop(base)
     whole = bool(np.all(stamps.fraction == 0))
     # Drop-frame is itself the evidence for a broadcast rate, however short the take.
     resolution = 0.0 if drop else (1.0 if whole else 0.001)
@@ -219,7 +220,7 @@ def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
     if stamps.clock[0] // 60 == stamps.clock[-1] // 60:
         return
     other = _plain(stamps, not stamps.drop)
-    if other.base % 30 == 0 and (stamps.drop or not _has_dropped_number(stamps, other.base)):
+    if can_drop(other.base) and (stamps.drop or not _has_dropped_number(stamps, other.base)):
         what = "leaves out no numbers" if stamps.drop else "leaves out numbers at full minutes"
         is_drop = "not drop-frame" if stamps.drop else "drop-frame"
         note = f"the timecode {what}: it is {is_drop}"
@@ -272,6 +273,11 @@ def _has_dropped_number(stamps: Stamps, base: int) -> bool:
 def _dropped(base: int) -> int:
     """How many numbers drop-frame skips at each full minute except every tenth: 2 of 30."""
     return max(1, round(base / 15))
+
+
+def can_drop(base: int) -> bool:
+    """Whether there is drop-frame timecode of this base; `;` may stand in any timecode."""
+    return base % 30 == 0
 
 
 def count_frames(stamps: Stamps, base: int, drop: bool) -> Times:

@@ -38,7 +38,8 @@ class RateNeeded(FileError):
         path: the file.
         problem: why its times are unusable.
         rate: the likely frame rate.
-        frames: the number of frames; at `rate` the take lasts `frames / rate` seconds.
+        frames: the number of frames, with those that were lost between them; at `rate` the take
+            lasts `frames / rate` seconds.
     """
 
     def __init__(self, path: Path | str, problem: str, rate: float, frames: int):

@@ -18,7 +18,7 @@ _TWICE = 2.0
 PERMILLE = 1000.0
 _PERMILLE_NOTE = "the weights run from 0 to 1000: read as such, and written as such"
 _BEYOND_PERCENT = 150.0  # whole numbers that go this far are bytes
-_BEYOND_BYTES = 300.0  # whole numbers of which some share goes this far are thousandths
+_BEYOND_BYTES = 300.0  # numbers of which some share goes this far are thousandths
 _SHARE = 0.01
 _LONG_ENOUGH = 10  # frames that show how far a channel goes
 _MOVING = 0.1  # the largest number of a channel that moves, if it runs from 0 to 1
@@ -34,12 +34,20 @@ def scale_of(values: NDArray[Any]) -> float:
     """
     sizes = np.abs(values[np.isfinite(values) & (values != 0)])
     sizes = sizes[sizes <= LARGEST * PERCENT]
-    if not len(sizes) or (sizes > _TWICE).mean() <= _MANY:
+    if not len(sizes) or ((sizes > _TWICE).mean() <= _MANY and not _stay_large(values)):
         return 1.0
     whole = np.all(sizes == np.round(sizes))
-    if whole and (sizes > _BEYOND_BYTES).mean() > _SHARE:
+    if (sizes > _BEYOND_BYTES).mean() > _SHARE:
         return PERMILLE
     return BYTES if whole and _BEYOND_PERCENT < sizes.max() <= BYTES else PERCENT
+
+
+def _stay_large(values: NDArray[Any]) -> bool:
+    """Whether a channel of (T, K) is impossible from 0 to 1 for many frames, not for a moment."""
+    if values.ndim < 2 or not len(values):
+        return False
+    large = np.abs(values) > LARGEST
+    return bool((large.sum(axis=0) >= _LONG_ENOUGH).sum() >= 2)
 
 
 def scale_notes(scale: float) -> tuple[str, ...]:

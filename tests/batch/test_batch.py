@@ -143,6 +143,24 @@ def test_problems_are_found_and_fixed(tmp_path: Path) -> None:
     assert one.tracked != one.edited
 
 
+def test_files_that_are_no_takes_are_reported_and_skipped(
+    takes: Path, tmp_path: Path, models: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (takes / "bad.csv").unlink()
+    (takes / "scene.json").write_text('{"scene": []}')
+    (takes / "day 2" / "emotions.json").write_text('{"emotionNames": ["joy"]}')
+    out = tmp_path / "out"
+    assert command("none", takes, out, models) == 0
+    said = capfd.readouterr().out
+    assert "skipped scene.json: holds no ARKit channel" in said
+    assert "2 takes: 2 written, 0 failed; 0 problems fixed; 3 other files skipped" in said
+    with (out / "faceedit_report.csv").open(newline="") as file:
+        rows = {row["take"]: row for row in csv.DictReader(file)}
+    assert rows["scene.json"]["result"] == "skipped"
+    assert "emotions" in rows["day 2/emotions.json"]["error"]
+    assert "skipped: holds the emotions" in (out / "faceedit_report.html").read_text()
+
+
 def test_results_have_one_name_each(takes: Path, tmp_path: Path, models: str) -> None:
     (takes / "bad.csv").unlink()
     source = {"facsNames": ["jawOpen"], "weightMat": [[0.1]] * 30, "exportFps": 30}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -44,6 +45,35 @@ def test_a_take_is_cut_and_lengthened_with_sound_and_words(
     found = read_words(tmp_path / "new.TextGrid").transcript
     assert found is not None
     assert found.words[0].start == pytest.approx(1.5, abs=1e-3)
+
+
+def test_a_new_take_is_replaced_only_if_asked_and_described_as_json(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], complaint: Callable[..., str]
+) -> None:
+    take = make_plain_csv(tmp_path / "take.csv", 3.0)
+    make_wav(tmp_path / "take.wav", 3.0)
+    new = make_plain_csv(tmp_path / "new.csv", 1.0)
+    old = make_wav(tmp_path / "new.wav", 1.0).read_bytes()
+    arguments = (take, "--cut", "0.5-1.0", "-o", new)
+    assert "exists" in complaint(*arguments)
+    assert main(["retime", *map(str, arguments), "--overwrite", "--json"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert (facts["path"], facts["take"], facts["frames"]) == (str(new), str(take), 75)
+    assert (facts["sound"], facts["film"]) == (str(tmp_path / "new.wav"), None)
+    assert open_take(new).clip.duration == pytest.approx(2.5)
+    assert (tmp_path / "new.wav.bak").read_bytes() == old
+
+
+def test_the_take_and_its_sound_are_never_replaced(
+    tmp_path: Path, complaint: Callable[..., str]
+) -> None:
+    take = make_plain_csv(tmp_path / "take.csv", 3.0)
+    make_wav(tmp_path / "take.wav", 3.0)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    for name in ("take.csv", "take.json"):  # the sound of the second is take.wav as well
+        said = complaint(take, "--cut", "0-1", "--overwrite", "-o", tmp_path / name)
+        assert "belongs to the take itself" in said
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_wrong_usage_is_reported_and_nothing_is_written(

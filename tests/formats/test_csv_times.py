@@ -193,7 +193,7 @@ def test_numbers_of_frames_ask_for_the_rate(tmp_path: Path, name: str, likely: f
     path = table(tmp_path, f"{name},BlendshapeCount,JawOpen\n" + rows)
     with pytest.raises(RateNeeded, match=rf"numbers its frames.*such as --fps {likely}$") as asked:
         open_take(path)
-    assert (asked.value.rate, asked.value.frames) == (likely, 99)
+    assert (asked.value.rate, asked.value.frames) == (likely, 100)
     take = open_take(path, fps=24)
     assert take.format == "CSV with frame numbers"
     assert (take.clip.rate, take.fps) == (24, 24)
@@ -222,7 +222,7 @@ def test_a_take_without_times_asks_and_counts_its_lost_rows(tmp_path: Path) -> N
     path = table(tmp_path, "jawOpen,mouthClose,x\n" + rows.replace("\n", ",1\n"))
     with pytest.raises(RateNeeded, match="no column with times") as asked:
         open_take(path)
-    assert (asked.value.rate, asked.value.frames) == (60, 10)
+    assert (asked.value.rate, asked.value.frames) == (60, 12)
     take = open_take(path, fps=30)
     assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(3, 2)]
     assert (

@@ -52,9 +52,19 @@ def test_a_stream_asks_for_its_rate_and_keeps_all_but_the_edited_number(
 
 def test_times_at_the_beginning_of_the_lines_are_read(tmp_path: Path) -> None:
     path = tmp_path / "stream.txt"
-    for begin in ("{t:.4f}|", "{t:.4f} ", "00:00:{t:06.3f}, "):
+    for begin in ("{t:.4f}|", "{t:.4f},", "00:00:{t:06.3f}, ", "[12:00:{t:06.3f}] ", '{t:.4f},"'):
         path.write_text(stream(begin=begin))
-        assert open_take(path).clip.rate == pytest.approx(30)
+        clip = open_take(path).clip
+        assert clip.rate == pytest.approx(30)
+        assert np.allclose(clip.arkit_weights(), FACE, atol=1e-6)
+
+
+def test_lines_before_the_stream_are_no_frames_and_may_state_the_rate(tmp_path: Path) -> None:
+    path = tmp_path / "stream.txt"
+    path.write_text("# recorded by hand\n# fps: 50\n" + stream())
+    take = open_take(path)
+    assert (len(take.clip), take.clip.rate) == (len(FACE), 50)
+    assert not any("lost" in note for note in take.notes)
 
 
 def test_a_quiet_stream_is_percent_too(tmp_path: Path) -> None:

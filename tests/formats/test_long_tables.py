@@ -53,6 +53,18 @@ TABLES = {
         '"Timecode","Curve","Value"',
         lambda n, name, v: f'"10:00:{n // 30:02d}:{n % 30:02d}","{name}","{v}"',
     ),
+    "channels by number too": table(
+        "frame,time,index,score,name",
+        lambda n, name, v: f"{n},{n / 30:.4f},{ARKIT_CHANNELS.index(name)},{v},{name}",
+    ),
+    "German": table(
+        "Zeit;Name;Wert", lambda n, name, v: f"{n / 30:.4f};{name};{v}".replace(".", ",")
+    ),
+    "a rate before the header": "# fps: 30\n"
+    + table("frame,name,value", lambda n, name, v: f"{n},{name},{v}"),
+    "a column with the rate": table(
+        "frame,fps,name,value", lambda n, name, v: f"{n},30,{name},{v}"
+    ),
     "others among them": table(
         "time,name,value",
         lambda n, name, v: (
@@ -129,3 +141,11 @@ def test_damage_is_refused_at_its_line(
     with pytest.raises(FileError) as refused:
         open_take(path)
     assert says in str(refused.value)
+
+
+def test_lines_that_cannot_be_split_are_refused_in_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text("time,data\n" + '"0.1, "jawOpen\n' * 20)
+    with pytest.raises(FileError) as caught:
+        open_take(path)
+    assert len(str(caught.value).replace(str(path), "")) < 300

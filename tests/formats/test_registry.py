@@ -142,16 +142,6 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
         (b"PK\x03\x04 xl/workbook.xml", "workbook", "CSV"),
         ((b"0.1," * 51 + b"0.2\n") * 9, "without the names", "line at the top"),
         (
-            b",0,1,2\n" + b"".join(b"%s,0,0,0\n" % n.encode() for n in recordings.FACECAP_NAMES),
-            "a line for each channel",
-            "transpose",
-        ),
-        (
-            b"".join(b"%s,0,0.5,0.25\n" % n.encode() for n in recordings.FACECAP_NAMES),
-            "a line for each channel",
-            "transpose",
-        ),
-        (
             b"".join(b"0,%s,0.1\n" % n.encode() for n in 2 * recordings.FACECAP_NAMES),
             "no line with the names of its columns",
             "time,channel,value",
@@ -161,7 +151,7 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
         (b"animVersion 1.1;\nanim jawOpen blendShape1 0 1 0;\n", "Maya", "CSV"),
         (b"PXR-USDC" + bytes(80), "USD", ".usda"),
         (b'#usda 1.0\ndef Xform "jawOpen, jawLeft"\n{\n}\n', "USD text without", "GLB"),
-        (b"%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n", "Unity", "CSV"),
+        (b"%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n", "Unity", ".anim"),
         (b"Ogawa\xff" + bytes(80), "Alembic", "GLB"),
         (b"BLENDER-v300" + bytes(80), "Blender", "GLB"),
         (b"\x1f\x8b\x08" + bytes(80), "compressed", "unpack"),

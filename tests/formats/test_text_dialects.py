@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.registry import is_take
@@ -230,3 +231,105 @@ def test_times_are_read_as_they_are_written(tmp_path: Path, time: Callable[[int]
     clip = open_take(path).clip
     assert (len(clip), clip.rate, clip.gaps) == (3 * RATE, RATE, ())
     assert clip.times[-1] == pytest.approx((3 * RATE - 1) / RATE, abs=1e-3)
+
+
+PERCENT: dict[str, tuple[str, str]] = {
+    "a sign": ("{:.1f}%", ""),
+    "a sign after a space": ("{:.1f} %", ""),
+    "the names": ("{:.1f}", " [%]"),
+    "the names in words": ("{:.1f}", "_percent"),
+}
+
+
+@pytest.mark.parametrize(("cell", "ending"), PERCENT.values(), ids=PERCENT)
+def test_percent_that_the_file_names_stay_percent_however_small(
+    tmp_path: Path, cell: str, ending: str
+) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    body = [[row[0], *(cell.format(3 * float(value)) for value in row[1:])] for row in rows()]
+    path.write_text(text(body, head=("time_s", *(f"{name}{ending}" for name in NAMES))))
+    take = open_take(path)
+    assert take.clip.weights.max() == pytest.approx(0.0165, abs=6e-4)
+    edited = take.clip.weights.copy()
+    edited[3, 0] = 0.25
+    write_take(out, take, edited)
+    before, after = path.read_text().splitlines(), out.read_text().splitlines()
+    assert [n for n, (a, b) in enumerate(zip(before, after, strict=True)) if a != b] == [4]
+    assert after[4].split(",")[1] == cell.replace("{:.1f}", "25")
+
+
+def test_a_row_of_units_says_that_weights_are_percent(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    body = [[row[0], *(f"{3 * float(value):.2f}" for value in row[1:])] for row in rows()]
+    path.write_text(text([["s", "%", "%", "%"], *body]))
+    assert open_take(path).clip.weights.max() == pytest.approx(0.0165, abs=1e-4)
+
+
+def test_names_that_say_percent_of_weights_up_to_1_are_not_believed(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text(head=("time_s", *(f"{name} [%]" for name in NAMES))))
+    take = open_take(path)
+    assert take.clip.weights.max() == pytest.approx(0.55, abs=0.01)
+    assert any("the names say percent, but" in note for note in take.notes)
+
+
+AFFIXES = ("newton {}", "facs_bs_{}", "{}_h", "Curve{}", "score_{}")
+
+
+@pytest.mark.parametrize("affix", AFFIXES)
+def test_a_beginning_or_end_that_all_names_share_is_dropped_and_kept(
+    tmp_path: Path, affix: str
+) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    names = ("JawOpen", "EyeBlinkLeft", "EyeBlinkRight", "MouthFunnel")
+    body = [[*row, row[1]] for row in rows()]
+    path.write_text(text(body, head=("time_s", *(affix.format(name) for name in names))))
+    take = open_take(path)
+    assert take.clip.channels == ("jawOpen", "eyeBlinkLeft", "eyeBlinkRight", "mouthFunnel")
+    assert any("are read as jawOpen and so on" in note for note in take.notes)
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
+
+
+def test_two_beginnings_of_the_same_channels_are_not_guessed_between(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    names = [f"{start}_{name}" for start in ("raw2", "calm") for name in ("jawOpen", "jawLeft")]
+    names += [f"{start}_{n}" for start in ("raw2", "calm") for n in ("mouthLeft", "mouthRight")]
+    body = [[row[0], *[row[1]] * len(names)] for row in rows()]
+    path.write_text(text(body, head=("time_s", *names)))
+    with pytest.raises(FileError, match="holds no ARKit channel"):
+        open_take(path)
+
+
+def test_timecode_with_a_decimal_comma_is_timecode(tmp_path: Path) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    codes = [f"14:02:{n // RATE:02d}:{2 * (n % RATE):02d}.250" for n in range(FRAMES)]
+    body = [[code, *row[1:]] for code, row in zip(codes, rows(), strict=True)]
+    path.write_text(text(with_comma(body), ";", head=("Timecode", *NAMES)))
+    take = open_take(path)
+    assert (take.clip.rate, len(take.clip)) == (RATE, FRAMES)
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
+
+
+def test_percent_of_which_most_are_small_is_percent(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    still = [name for name in ARKIT_CHANNELS if name not in ("jawOpen", "eyeBlinkLeft")]
+    body = [
+        [row[0], *(f"{100 * float(cell):.2f}" for cell in row[1:3]), *["1.10"] * len(still)]
+        for row in rows()
+    ]
+    path.write_text(text(body, head=("time_s", "jawOpen", "eyeBlinkLeft", *still)))
+    take = open_take(path)
+    assert take.clip.weights[:, 0].max() == pytest.approx(0.55, abs=0.01)
+    assert any("0 to 100" in note for note in take.notes)
+
+
+def test_a_few_impossible_weights_are_damage_and_no_percent(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    body = rows()
+    for n in range(4):
+        body[n + 3][1] = body[n + 3][2] = "40.0"
+    path.write_text(text(body))
+    with pytest.raises(FileError, match="line 5: jawOpen is 40"):
+        open_take(path)

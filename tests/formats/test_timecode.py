@@ -330,6 +330,14 @@ def test_a_semicolon_alone_makes_no_drop_frame() -> None:
     assert gaps_of(timing) == []
 
 
+@pytest.mark.parametrize("base", [24, 25])
+def test_a_semicolon_in_timecode_of_a_base_without_drop_frame_means_nothing(base: int) -> None:
+    texts = [code.rpartition(":") for code in codes(every(1, 200), base, start=base * 3600)]
+    timing = derive_timing([f"{before};{frame[:2]}" for before, _, frame in texts])
+    assert timing.rate == base
+    assert timing.times[-1] == pytest.approx(199 / base)
+
+
 def test_whole_seconds_tell_the_rate_by_counting() -> None:
     timing = clock_times([clock((n + 11) / 30) for n in range(200)])
     assert timing.rate == 30

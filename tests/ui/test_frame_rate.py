@@ -177,7 +177,7 @@ def test_the_export_of_a_json_take_is_suggested_as_json(
 
 
 def test_file_dialogs_offer_takes_of_every_format() -> None:
-    endings = ["csv", "tsv", "json", "jsonl", "txt", "ndjson", "glb", "usda"]
+    endings = ["csv", "tsv", "json", "jsonl", "txt", "ndjson", "glb", "anim", "usda"]
     assert file_kinds.takes_pattern() == " ".join(f"*.{e} *.{e.upper()}" for e in endings)
 
 

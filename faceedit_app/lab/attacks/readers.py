@@ -153,6 +153,14 @@ def _dialects(clip: Clip) -> Iterator[tuple[str, bytes]]:
     yield ".jsonl", "\n".join(map(json.dumps, texts)).encode()
     lines = (f"{t:.4f},{name},{weight}" for t, name, weight in entries)
     yield ".csv", "\n".join(["time,name,value", *lines]).encode()
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    lists = ([name, *map(str, values)] for name, values in columns.items())
+    turned = [["time_s", *(f"{n / 60:.4f}" for n in range(len(rows)))], *lists]
+    yield ".csv", "\n".join(map(",".join, turned)).encode()
+    keys = {name: [[n / 60, v] for n, v in enumerate(values)] for name, values in columns.items()}
+    yield ".json", json.dumps(keys).encode()
+    nested = [{"jaw": {"open": row["jawOpen"]}, "eye": {"blink": {"left": 0.5}}} for row in rows]
+    yield ".json", json.dumps({"video": {"r_frame_rate": "60/1"}, "frames": nested}).encode()
     frames = ("|".join(f"{k}-{100 * v:.0f}" for k, v in row.items()) for row in rows)
     yield ".txt", "\n".join(f"{n / 60:.4f}|{text}|" for n, text in enumerate(frames)).encode()
 

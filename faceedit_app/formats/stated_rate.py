@@ -1,0 +1,141 @@
+"""The frame rate that a file states beside its frames: in a comment, a column, or a field.
+
+It is used if the file's times do not show the rate. A number in running text is only proposed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from faceedit_app.core.arrays import Indices
+from faceedit_app.formats.csv_table import Table
+from faceedit_app.formats.files import shown
+from faceedit_app.formats.rates import exact_rate, nominal_rate
+from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, format_rate
+
+_KINDS = "video|capture|source|camera|export|record(?:ing)?|nominal|avg|r|film|clip|anim(?:ation)?"
+_NAME = re.compile(
+    rf"(?:{_KINDS})?(?:fps|framerate|framespersecond|framespersec)(?:hz)?", re.IGNORECASE
+)
+_PERIOD = re.compile(r"(?:frame(?:duration|time|interval|delta)|secondsperframe)(?:ms|s|sec)?")
+_NUMBER = r"(\d{1,5}(?:\.\d{1,9})?)(?:\s*/\s*(\d{1,5}))?"
+_NAMED = re.compile(
+    rf"(?<![a-z])(?:(?:{_KINDS})[ _-]?)?"
+    r"(?:fps|frame[ _-]?rate|frames[ _-]?(?:per|/)[ _-]?s(?:ec(?:ond)?)?)(?![a-z])"
+    rf"(?:[\"'\s:=,;]|is\b|\(\w*\))*{_NUMBER}",
+    re.IGNORECASE,
+)
+_LOOSE = re.compile(rf"\brate(?:[\"'\s:=,;]|is\b)*{_NUMBER}", re.IGNORECASE)  # perhaps of the sound
+_PROSE = re.compile(rf"{_NUMBER}\s*(?:fps|frames per second|frames/s|hz)\b", re.IGNORECASE)
+_VALUE = re.compile(rf"{_NUMBER}(?:\s*(?:fps|hz))?", re.IGNORECASE)
+_MARKS = "#/;%!*,\"' \t"  # what comments begin with, and empty cells
+_SLOWEST_FILM, _FASTEST_CAMERA = 5.0, 245.0  # frames per second
+_WHOLE, _FINE = 0.016, 0.001  # relative error of a period in whole milliseconds, or finer
+_LONGEST = 400  # characters of a line of text that may state a rate
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A frame rate that a file states.
+
+    Attributes:
+        rate: frames per second.
+        text: where, as the file has it.
+        is_sure: whether it can be used without asking.
+    """
+
+    rate: float
+    text: str
+    is_sure: bool = True
+
+
+def names_rate(name: str) -> bool:
+    """Whether a column or field with this name holds a frame rate."""
+    return _NAME.fullmatch(re.sub(r"[\W_]", "", name)) is not None
+
+
+def rate_column(names: Sequence[str]) -> int | None:
+    """The column that holds a frame rate, or None."""
+    return next((k for k, name in enumerate(names) if names_rate(name)), None)
+
+
+def rate_of(text: str) -> float | None:
+    """The rate that a field's text is: `30`, `29.97`, `30000/1001`, `30 fps`."""
+    match = _VALUE.fullmatch(text.strip().replace(",", "."))
+    return _rate(match) if match else None
+
+
+def rate_of_period(name: str, value: float) -> float | None:
+    """The rate of frames that last `value`, in seconds or milliseconds, in a field of this name."""
+    if not _PERIOD.fullmatch(re.sub(r"[\W_]", "", name).lower()) or value <= 0:
+        return None
+    for second in (1.0, 1000.0):
+        if _SLOWEST_FILM <= second / value <= _FASTEST_CAMERA:
+            error = _WHOLE if value == int(value) else _FINE
+            return nominal_rate(second / value, error) or second / value
+    return None
+
+
+def rate_in_lines(lines: Iterable[str]) -> Stated | None:
+    """The rate that comments and other lines around a table state; None if they disagree."""
+    found = [one for line in lines if len(line) <= _LONGEST and (one := rate_in_text(line))]
+    sure = [one for one in found if one.is_sure] or found
+    return sure[0] if len({one.rate for one in sure}) == 1 else None
+
+
+def rate_in_text(text: str) -> Stated | None:
+    """The rate that a line states; it is sure if it is named, or all that the line says."""
+    if ";" in text or "\t" in text:  # as the separator, so that a comma may be a decimal one
+        text = text.replace(",", ".")
+    bare = text.strip(_MARKS + "\r\n")
+    named = {rate for match in _NAMED.finditer(text) if (rate := _rate(match))}
+    if len(named) == 1:
+        return Stated(named.pop(), shown(bare))
+    loose = (match for form in (_PROSE, _LOOSE) for match in form.finditer(text))
+    prose = {rate for match in loose if (rate := _rate(match)) and rate <= _FASTEST_CAMERA}
+    if named or len(prose) != 1:
+        return None
+    return Stated(prose.pop(), shown(bare), _PROSE.fullmatch(bare) is not None)
+
+
+def rate_in_column(name: str, cells: Sequence[str]) -> Stated | None:
+    """The rate that a column of this name gives in every row; None if it varies, as measured."""
+    rates = {rate_of(cell) for cell in cells}
+    rate = rates.pop() if len(rates) == 1 else None
+    return Stated(rate, shown(name)) if rate else None
+
+
+def rate_in_table(table: Table, cells: Callable[[int], Sequence[str]]) -> Stated | None:
+    """The rate that a column of a table, or the lines before its header, state.
+
+    Args:
+        cells: the texts of the frames in a column.
+    """
+    column = rate_column(table.names)
+    if column is not None:
+        return rate_in_column(table.names[column], cells(column))
+    before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
+    return rate_in_lines(before)
+
+
+def settled(timing: Timing | NoTimes, stated: Stated | None, rows: Indices) -> Timing | NoTimes:
+    """The timing, at the stated rate if times do not show it.
+
+    Args:
+        rows: (T,) the rows of the frames in the file.
+    """
+    if stated is None or not isinstance(timing, NoTimes):
+        return timing
+    if not stated.is_sure:
+        return NoTimes(timing.problem, stated.rate, timing.numbers)
+    found = timing.timing_at(stated.rate, rows)
+    note = f'{format_rate(stated.rate)}, because the file says "{stated.text}"'
+    return Timing(found.times, found.rate, (*found.notes, note))
+
+
+def _rate(match: re.Match[str]) -> float | None:
+    """The rate of a number or a fraction; None if it cannot be one."""
+    rate = float(match[1]) / (float(match[2] or 1) or 1.0)
+    return exact_rate(rate) if SLOWEST <= rate <= FASTEST else None

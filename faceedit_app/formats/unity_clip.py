@@ -1,0 +1,186 @@
+"""The blendshapes of an animation clip of Unity, saved as text (`.anim`, YAML).
+
+Each curve under `m_FloatCurves` has keys with a time and a value, and then its `attribute`, such as
+`blendShape.jawOpen`; `m_EditorCurves` has the same curves once more, for Unity's own editor. Keys
+are frames if all curves that move have them at the same times. Slopes and all else are kept.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from faceedit_app.core.errors import FileError
+from faceedit_app.core.names import naming_of
+from faceedit_app.formats.files import LONGEST_NAME, check_text, shown
+from faceedit_app.formats.number_spans import SpanSource
+from faceedit_app.formats.take import Recording, Take, finish_take
+from faceedit_app.formats.timing import BadRow, NoTimes, Timing, counted, time_rows
+from faceedit_app.formats.weights import PERCENT
+
+FORMAT = "Unity animation clip"
+_HEAD = 1 << 12
+_MAGIC = b"tag:unity3d.com"
+_SHAPE = "blendShape."
+_LINE = re.compile(
+    rb"^(?P<indent> *)(?P<list>- )?(?P<key>time|value|attribute|m_\w+): *(?P<text>[^\r\n]*)", re.M
+)
+_ATTRIBUTE = re.compile(rb"blendShape\.([^\r\n]+)")
+_SECTIONS = (b"m_FloatCurves", b"m_EditorCurves")
+_SECTION_INDENT = 2
+_STILL = 2  # keys of a curve that does not move
+_BAKE = "export it with a key for every frame, or as CSV"
+_SLOPES = (
+    "the slopes of keys stay as they are: an edited key is exact, and between keys it may not be"
+)
+
+
+@dataclass
+class _Curve:
+    """The keys of a shape: times, and where the values are in the file."""
+
+    name: str = ""
+    times: list[float] = field(default_factory=list)
+    spans: list[tuple[int, int]] = field(default_factory=list)
+
+
+def sniff(content: bytes) -> float:
+    """How likely, 0..1, this is an animation clip with ARKit's shapes."""
+    if _MAGIC not in content[:_HEAD]:
+        return 0.0
+    names = [
+        text.decode("utf-8", "replace") for text in re.findall(rb"blendShape\.([^\r\n]+)", content)
+    ]
+    return 0.9 if any(map(naming_of(names), names)) else 0.0
+
+
+def read(path: Path, content: bytes, fps: float | None) -> Take:
+    """Open an animation clip.
+
+    Raises:
+        RateNeeded: its times are unusable, and `fps` is None.
+        FileError: it is damaged, or curves have keys at different times.
+    """
+    check_text(path, content)
+    curves = [curve for curve in _curves(path, content) if curve.name and curve.times]
+    naming = naming_of(curve.name for curve in curves)
+    named = [(channel, curve) for curve in curves if (channel := naming(curve.name))]
+    if not named:
+        raise FileError(path, "has no keys of ARKit's shapes", _BAKE)
+    longest = max((curve for _, curve in named), key=lambda curve: len(curve.times))
+    for _, curve in named:
+        if curve.times != longest.times and len(curve.times) > _STILL:
+            what = f"has keys at other times for {shown(curve.name)} than for {shown(longest.name)}"
+            raise FileError(path, what, _BAKE, _line(content, curve.spans[0][0]))
+    moving = [(channel, curve) for channel, curve in named if curve.times == longest.times]
+    columns: dict[str, list[_Curve]] = {}
+    for channel, curve in moving:
+        columns.setdefault(channel, []).append(curve)
+    first = [found[0] for found in columns.values()]
+    values = np.array([_numbers(path, content, curve.spans) for curve in first]).T
+    copies = _copies(path, content, columns)
+    still = len({channel for channel, _ in named} - columns.keys())
+    others = {curve.name for curve in curves if naming(curve.name) is None}
+    recording = Recording(
+        path=path,
+        format=FORMAT,
+        channels=tuple(columns),
+        values=values,
+        timing=_timing(path, np.array(longest.times)),
+        lost=np.zeros(len(values), bool),
+        carried=tuple(shown(name, LONGEST_NAME) for name in sorted(others)),
+        notes=(*_still_notes(still), _SLOPES),
+        scale=PERCENT if np.abs(values).max() > 1 else None,
+    )
+    spans = np.array([curve.spans for curve in first], np.int64).transpose(1, 0, 2)
+    return finish_take(
+        recording,
+        fps,
+        lambda scale: SpanSource(content, spans, scale, copies=copies),
+        lambda frame, k: _line(content, int(spans[frame, k, 0])),
+    )
+
+
+def _curves(path: Path, content: bytes) -> list[_Curve]:
+    """The curves of shapes, in the order of the file."""
+    found: list[_Curve] = []
+    curve, inside = _Curve(), False
+    for match in _LINE.finditer(content):
+        key, text = match["key"], match["text"].strip()
+        if key.startswith(b"m_") and len(match["indent"]) == _SECTION_INDENT:
+            curve, inside = _Curve(), key in _SECTIONS
+        elif not inside:
+            continue
+        elif key == b"time":
+            curve.times.append(_numbers(path, content, [match.span("text")])[0])
+        elif key == b"value":
+            curve.spans.append((match.start("text"), match.start("text") + len(text)))
+        elif key == b"attribute":
+            name = text.decode("utf-8", "replace").strip("\"'")
+            if len(curve.times) != len(curve.spans):
+                problem = f"the curve {shown(name)} has keys without a value"
+                raise FileError(path, problem, "save it again", _line(content, match.start()))
+            curve.name = name.removeprefix(_SHAPE) if name.startswith(_SHAPE) else ""
+            found.append(curve)
+            curve = _Curve()
+    return found
+
+
+def _copies(
+    path: Path, content: bytes, columns: dict[str, list[_Curve]]
+) -> tuple[NDArray[np.int64], ...]:
+    """(T, K, 2) per further curve of channels with the same weights; -1 if there is none."""
+    most = max(map(len, columns.values()))
+    copies = []
+    for place in range(1, most):
+        spans = []
+        for first, *others in columns.values():
+            same = [c for c in others if _same(path, content, c, first)]
+            there = same[place - 1].spans if place <= len(same) else [(-1, -1)] * len(first.spans)
+            spans.append(there)
+        copies.append(np.array(spans, np.int64).transpose(1, 0, 2))
+    return tuple(copies)
+
+
+def _same(path: Path, content: bytes, curve: _Curve, other: _Curve) -> bool:
+    return _numbers(path, content, curve.spans) == _numbers(path, content, other.spans)
+
+
+def _numbers(path: Path, content: bytes, spans: Sequence[tuple[int, int]]) -> list[float]:
+    numbers = []
+    for start, end in spans:
+        text = content[start:end].strip()
+        try:
+            number = float(text)
+        except ValueError:
+            number = np.nan
+        if not np.isfinite(number):
+            problem = f'holds "{shown(text.decode("utf-8", "replace"))}", not a finite number'
+            raise FileError(path, problem, "save it again", _line(content, start))
+        numbers.append(number)
+    return numbers
+
+
+def _timing(path: Path, times: NDArray[np.float64]) -> Timing | NoTimes:
+    try:
+        return time_rows(times, 2 * float(np.spacing(np.float32(np.abs(times).max()))))
+    except NoTimes as none:
+        return none
+    except BadRow as bad:
+        problem = f"its key {bad.row + 1} does not come after the one before it"
+        raise FileError(path, problem, "sort the keys by time") from None
+
+
+def _still_notes(still: int) -> tuple[str, ...]:
+    if not still:
+        return ()
+    return (f"{counted(still, 'channel')} with one or two keys: carried",)
+
+
+def _line(content: bytes, place: int) -> int:
+    return content.count(b"\n", 0, place) + 1

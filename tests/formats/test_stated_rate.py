@@ -1,0 +1,100 @@
+"""A frame rate that a file states beside its frames is used; one that it mentions is proposed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from faceedit_app.formats.opening import open_take, write_take
+from faceedit_app.formats.timing import RateNeeded
+
+FRAMES = 40
+NUMBERED = "frame,jawOpen,mouthClose\n" + "".join(f"{n},0.{n:02d}1,0.1\n" for n in range(FRAMES))
+BARE = "jawOpen,mouthClose\n" + "".join(f"0.{n:02d}1,0.1\n" for n in range(FRAMES))
+
+STATED = {
+    "a comment": ("# fps: 25\n" + NUMBERED, 25.0),
+    "a comment in words": ("# recorded with a phone\n# frame rate = 24\n" + NUMBERED, 24.0),
+    "a comment of C": ("// FPS 50\n" + BARE, 50.0),
+    "the whole comment": ("# 48 fps\n" + BARE, 48.0),
+    "JSON in a comment": ('# {"subject": "A", "fps": 25}\n' + NUMBERED, 25.0),
+    "lines before the header": ("Subject,A\nFrames,40\nFPS,29.97\n\n" + NUMBERED, 30000 / 1001),
+    "a fraction": ("# r_frame_rate=24000/1001\n" + NUMBERED, 24000 / 1001),
+    "a decimal comma": (("Bildrate;x\nFPS;23,976\n" + NUMBERED.replace(",", ";")), 24000 / 1001),
+    "a column": (NUMBERED.replace("\n", ",24\n").replace("mouthClose,24", "mouthClose,fps"), 24.0),
+}
+MENTIONED = {
+    "prose": ("# from a camera of 50 fps, by hand\n" + NUMBERED, 50.0),
+    "a rate of something": ("Rate,25\n" + NUMBERED, 25.0),
+}
+UNCLEAR = {
+    "two rates": ("# fps: 60\n# fps: 30\n" + BARE, 60.0),
+    "a rate as measured": (
+        "fps,jawOpen\n" + "".join(f"{29 + n / 20},0.1\n" for n in range(FRAMES)),
+        60.0,
+    ),
+    "the rate of the sound": ("# sample rate: 48000\n" + BARE, 60.0),
+}
+
+
+@pytest.mark.parametrize(("text", "rate"), STATED.values(), ids=STATED)
+def test_a_stated_rate_is_used_and_said(tmp_path: Path, text: str, rate: float) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text, newline="")
+    take = open_take(path)
+    assert take.clip.rate == rate
+    assert take.clip.times[-1] == pytest.approx((FRAMES - 1) / rate)
+    assert any("because the file says" in note for note in take.notes)
+    write_take(tmp_path / "out.csv", take, take.clip.weights)
+    assert (tmp_path / "out.csv").read_text() == text
+
+
+@pytest.mark.parametrize(("text", "rate"), MENTIONED.values(), ids=MENTIONED)
+def test_a_mentioned_rate_is_proposed(tmp_path: Path, text: str, rate: float) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text)
+    with pytest.raises(RateNeeded) as asked:
+        open_take(path)
+    assert asked.value.rate == rate
+
+
+@pytest.mark.parametrize(("text", "rate"), UNCLEAR.values(), ids=UNCLEAR)
+def test_an_unclear_rate_is_asked_for(tmp_path: Path, text: str, rate: float) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text(text)
+    with pytest.raises(RateNeeded) as asked:
+        open_take(path)
+    assert asked.value.rate == rate
+
+
+def test_times_count_more_than_a_stated_rate(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    rows = "".join(f"{n / 30:.4f},0.1\n" for n in range(FRAMES))
+    path.write_text("# fps: 60\ntime_s,jawOpen\n" + rows)
+    assert open_take(path).clip.rate == 30
+
+
+def test_a_rate_that_the_user_gives_counts_more(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    path.write_text("# fps: 25\n" + NUMBERED)
+    assert open_take(path, fps=50).clip.rate == 50
+
+
+def test_numbers_of_lost_frames_are_gaps_at_the_stated_rate(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    lines = NUMBERED.splitlines(keepends=True)
+    path.write_text("# fps: 25\n" + "".join(lines[:11] + lines[13:]))
+    clip = open_take(path).clip
+    assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(9, 2)]
+
+
+def test_the_length_that_is_asked_about_counts_lost_frames(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    lines = NUMBERED.splitlines(keepends=True)
+    path.write_text("".join(lines[:11] + lines[13:]))
+    with pytest.raises(RateNeeded) as asked:
+        open_take(path)
+    assert asked.value.frames == FRAMES
+    clip = open_take(path, asked.value.rate).clip
+    assert clip.duration == pytest.approx(asked.value.frames / asked.value.rate)
