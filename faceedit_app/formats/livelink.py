@@ -119,8 +119,7 @@ def _measured(times: Times) -> Times:
     steps = frames / np.median(frames)
     is_even = np.allclose(steps, np.round(steps), rtol=0, atol=1e-2)
     thousandth = 0.0 if is_even else 1e-3 / DEFAULT_BASE
-    added: Times = thousandth * (np.arange(len(times)) % 2)
-    return added
+    return np.where(np.arange(len(times)) % 2 == 1, thousandth, 0.0)
 
 
 def header_line() -> str:
