@@ -46,7 +46,8 @@ def test_the_seam_runs_from_corner_to_corner(template: Template) -> None:
     assert (opened[upper, 1] - opened[lower, 1])[middle].min() > 15
 
 
-# Each is fitted to the end, which takes seconds; `test_making.py` has one with a jaw that is a little open.
+# Each is fitted to the end, which takes seconds; `test_making.py` has one with a jaw that is a
+# little open.
 @pytest.mark.parametrize(
     "shapes",
     [
