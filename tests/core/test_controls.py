@@ -33,6 +33,7 @@ OTHER_WORDS = {
     "characters/assembly.py": {"upper", "lower"},
     "characters/checklist.py": {"upper_lip", "lower_lip"},
     "characters/names.py": {"upper", "lower"},
+    "characters/matches.py": {"upper", "lower"},
     "characters/other_names.py": {"upper", "lower"},
     "characters/points.py": {"upper_lip", "lower_lip"},
     "lab/evaluation/people/report.py": {"eyelids"},
