@@ -251,12 +251,17 @@ class Combining:
             passing = self._passing(asked, lengths)[where]
             wanted = wanted - passing
             tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm.min(axis=1)[:, None])
-        mask = hold > 0
-        strength = hold if mask.all() else np.where(mask, hold, hold.max(axis=1, keepdims=True))
+        mask, strength = hold > 0, hold
+        firm: Doubles | float = 1.0
+        firmest = hold.max(axis=1, keepdims=True)
+        if not (hold == firmest).all():  # all go as far as it; others are met less exactly
+            strength = np.where(hold == firmest, hold, firmest)
+            if (mask & (hold < firmest)).any():
+                firm = hold / firmest
         aim = _Aim(
             here=weights[where],
             vectors=vectors[where],
-            goal=Goal(wanted, asked.settings.reach * strength, mask, tolerance),
+            goal=Goal(wanted, asked.settings.reach * strength, mask, tolerance, firm),
             still=part.of_take(asked.influence[where]) == 0,
             least=least[where],
             most=most[where],
@@ -271,7 +276,7 @@ class Combining:
         )
         reached = part.lengths(part.vectors(found))
         missing = np.abs(aim.goal.targets_from(lengths[where]) - reached) - MISSING_MM - tolerance
-        missing = np.where(mask, missing, 0.0).max(axis=1).clip(0.0, 1.0)
+        missing = np.where(mask, missing * firm, 0.0).max(axis=1).clip(0.0, 1.0)
         if calms:
             missing *= 1.0 - calm.max(axis=1, initial=0.0)
         asleep = (quiet < aim.most).any(axis=1)

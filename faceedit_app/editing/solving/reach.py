@@ -48,12 +48,24 @@ class Goal:
         asked: (N, C) bool, whether the user asked for this control; the others stay near their
             targets and give way.
         tolerance: (N, C) mm that a control may miss its target by, added to what all may.
+        firm: (N, C) in 0..1, how firmly a control is asked for beside the firmest of its frame:
+            one whose edit only begins gives way to one whose edit acts in full.
     """
 
     targets: Doubles
     strength: Doubles
     asked: Bools
     tolerance: Doubles | float = 0.0
+    firm: Doubles | float = 1.0
+
+    @property
+    def noise(self) -> Doubles:
+        """(N, C) mm², how exactly each target has to be met."""
+        noise = np.where(self.asked, ASKED_MM**2, FREE_MM**2)
+        if not isinstance(self.firm, float):
+            soft = self.asked & (self.firm < 1.0)
+            noise[soft] = (FREE_MM * (ASKED_MM / FREE_MM) ** self.firm[soft]) ** 2
+        return noise + np.square(self.tolerance)
 
     def targets_from(self, lengths: Doubles) -> Doubles:
         """(N, C) mm where to go from present lengths."""
@@ -61,10 +73,11 @@ class Goal:
 
     def at(self, rows: Indices) -> Goal:
         """The goal on some of the frames."""
-        tolerance = self.tolerance
-        if not isinstance(tolerance, float):
-            tolerance = tolerance[rows]
-        return Goal(self.targets[rows], self.strength[rows], self.asked[rows], tolerance)
+        tolerance, firm = (
+            value if isinstance(value, float) else value[rows]
+            for value in (self.tolerance, self.firm)
+        )
+        return Goal(self.targets[rows], self.strength[rows], self.asked[rows], tolerance, firm)
 
 
 class Reach:
@@ -134,14 +147,13 @@ class Reach:
         targets = goal.targets_from(np.maximum(lengths, 0.0))
         if self._distances.may_pass:  # such vertices come apart little by little
             targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
-        noise = np.where(goal.asked, ASKED_MM**2, FREE_MM**2) + np.square(goal.tolerance)
         lower = np.minimum(start, 0.0 if lower is None else lower)
         longest = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
         limit = np.full(len(start), longest)
         if exempt is not None:
             limit[exempt] = np.inf
         share = np.zeros(len(start)) if share is None else share
-        frames = _Frames(start, lower, upper, vectors, targets, noise, limit, share)
+        frames = _Frames(start, lower, upper, vectors, targets, goal.noise, limit, share)
         change, lengths = self._search(frames, lengths)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
