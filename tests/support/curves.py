@@ -11,6 +11,7 @@ from pytestqt.qtbot import QtBot
 
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.interaction import Interaction
 from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.ruler import Ruler
@@ -86,8 +87,9 @@ def drag(
     QTest.mousePress(on, button, modifiers, start)
     for i in range(1, 6):
         move_with(on, start + (stop - start) * i / 5, modifiers, button)
-        if previews:
-            wait_for_timers(widget.window())
+        if previews:  # the search for problems, which has a timer too, waits until the end
+            hand = widget.window().findChild(Interaction)
+            wait_for_timers(hand if hand is not None else widget.window())
     if release:
         QTest.mouseRelease(on, button, modifiers, stop)
 
