@@ -23,6 +23,7 @@ from faceedit_app.command_line.options import (
 )
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
+from faceedit_app.media import FILM_ENDINGS
 
 if TYPE_CHECKING:
     from faceedit_app.editing.edits.settings import Settings
@@ -111,6 +112,8 @@ def _export(
     from faceedit_app.editing import exporting
 
     take = session.take
+    if output.suffix.lower() in FILM_ENDINGS:
+        raise FaceEditError(f"{output}: is the name of a film; use faceedit render for one")
     form = exporting.by_ending(output, take)
     if form is None:
         backup = session.export(output, overwrite)
@@ -182,12 +185,14 @@ def convert(
 
 
 def _warnings(session: EditSession, engine: Engine) -> list[str]:
-    """Which edits the take's channels cannot answer, so that they change nothing."""
+    """Which edits change nothing: the take ends before them, or its channels cannot answer."""
     from faceedit_app.editing.solving.answerable import unanswerable
     from faceedit_app.editing.solving.channel_edits import missing_channels
 
-    found = []
+    found, duration = [], session.take.clip.duration
     for number, edit in enumerate(session.edits, start=1):
+        if edit.span[0] > duration:
+            found.append(f"edit {number}: begins at {edit.span[0]:.3f} s, after the take's end")
         lacks = unanswerable(edit, session.take, session.rig, engine)
         found += [f"edit {number}: {lack}" for lack in lacks]
         if missing := missing_channels([edit], session.take.clip):

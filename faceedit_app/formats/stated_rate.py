@@ -33,6 +33,7 @@ _VALUE = re.compile(rf"{_NUMBER}(?:\s*(?:fps|hz))?", re.IGNORECASE)
 _MARKS = "#/;%!*,\"' \t"  # what comments begin with, and empty cells
 _SLOWEST_FILM, _FASTEST_CAMERA = 5.0, 245.0  # frames per second
 _WHOLE, _FINE = 0.016, 0.001  # relative error of a period in whole milliseconds, or finer
+_SAME = 5e-4  # relative difference of rates: less than that of 23.976 and 24
 _LONGEST = 400  # characters of a line of text that may state a rate
 
 
@@ -121,13 +122,21 @@ def rate_in_table(table: Table, cells: Callable[[int], Sequence[str]]) -> Stated
 
 
 def settled(timing: Timing | NoTimes, stated: Stated | None, rows: Indices) -> Timing | NoTimes:
-    """The timing, at the stated rate if times do not show it.
+    """The timing, at the stated rate if times do not show it; a contradiction is noted.
 
     Args:
         rows: (T,) the rows of the frames in the file.
     """
-    if stated is None or not isinstance(timing, NoTimes):
+    if stated is None:
         return timing
+    if isinstance(timing, Timing):
+        if not stated.is_sure or abs(timing.rate / stated.rate - 1.0) < _SAME:
+            return timing
+        says = stated.text
+        if not re.search(r"\d", says):  # a column's name
+            says = f"{says}: {stated.rate:g}"
+        note = f'{format_rate(timing.rate)} by its times, although the file says "{says}"'
+        return Timing(timing.times, timing.rate, (*timing.notes, note))
     if not stated.is_sure:
         return NoTimes(timing.problem, stated.rate, timing.numbers)
     found = timing.timing_at(stated.rate, rows)

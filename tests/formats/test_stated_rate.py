@@ -98,3 +98,16 @@ def test_the_length_that_is_asked_about_counts_lost_frames(tmp_path: Path) -> No
     assert asked.value.frames == FRAMES
     clip = open_take(path, asked.value.rate).clip
     assert clip.duration == pytest.approx(asked.value.frames / asked.value.rate)
+
+
+@pytest.mark.parametrize(("stated", "is_noted"), [("25", True), ("23.976", True), ("24", False)])
+def test_times_that_contradict_a_stated_rate_count_and_are_noted(
+    tmp_path: Path, stated: str, is_noted: bool
+) -> None:
+    path = tmp_path / "take.csv"
+    rows = "".join(f"{n / 24:.6f},0.{n:02d}1\n" for n in range(FRAMES))
+    path.write_text(f"# fps: {stated}\ntime_s,jawOpen\n{rows}")
+    take = open_take(path)
+    assert take.clip.rate == 24.0
+    note = f'24 fps by its times, although the file says "fps: {stated}"'
+    assert (note in take.notes) == is_noted

@@ -1,0 +1,39 @@
+"""`faceedit apply` says what is surely a mistake."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from support.takes import make_livelink_csv
+
+from faceedit_app.cli import main
+
+
+def edits_at(folder: Path, start: float) -> Path:
+    entry = {"control": "mouth_opening", "op": "offset", "start": start, "end": start + 0.4}
+    path = folder / "edits.json"
+    text = json.dumps({"version": 1, "edits": [entry | {"falloff": 0.2, "value": 6.0}]})
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("start", "is_warned"), [(100.0, True), (1.0, False)])
+def test_an_edit_after_the_end_of_the_take_is_named(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], start: float, is_warned: bool
+) -> None:
+    take, out = make_livelink_csv(tmp_path / "take.csv"), tmp_path / "out.csv"
+    assert main(["apply", str(take), str(edits_at(tmp_path, start)), "-o", str(out)]) == 0
+    said = capfd.readouterr().err
+    assert ("edit 1: begins at 99.800 s, after the take's end" in said) == is_warned
+    assert (out.read_bytes() == take.read_bytes()) == is_warned
+
+
+def test_a_take_is_not_written_under_the_name_of_a_film(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    take, out = make_livelink_csv(tmp_path / "take.csv"), tmp_path / "out.mp4"
+    assert main(["apply", str(take), str(edits_at(tmp_path, 1.0)), "-o", str(out)]) == 2
+    assert "is the name of a film; use faceedit render" in capfd.readouterr().err
+    assert not out.exists()
