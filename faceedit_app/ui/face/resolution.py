@@ -10,9 +10,9 @@ from collections import deque
 from faceedit_app.ui.face.face_picture import Size
 
 DRAGGED = 0.003  # seconds that a smooth picture may take while one drags
-PLAYED, HURRIED = 0.5, 0.4  # of the time between two frames that it may take in playback
+PLAYED = 0.5  # of the time between two frames that it may take in playback
 _TRIES = 3  # smooth pictures, by the fastest of which the next are chosen
-_UNHURRIED = 40.0  # frames a second: with more, a picture that is slow would be late
+_UNHURRIED = 40.0  # frames a second: with more, a slow picture would make the next one late
 _BUDGET = 0.035  # seconds that a rough picture may take before its resolution is lowered
 _COARSEST = 0.5
 
@@ -32,7 +32,7 @@ class Quality:
     def play(self, rate: float) -> None:
         """Pictures change `rate` times a second from now on, and nobody waits for them."""
         self._tries = rate <= _UNHURRIED
-        self._patience = (PLAYED if self._tries else HURRIED) / rate
+        self._patience = PLAYED / rate if self._tries else DRAGGED
         if self._tries:
             self._recent.clear()
 
