@@ -24,7 +24,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.glb import MAGIC, join_glb, split_glb
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.timing import BadRow, NoTimes, Timing, counted, time_rows
+from faceedit_app.formats.timing import counted, time_keys
 
 FORMAT = "GLB animation"
 _FLOAT = 5126
@@ -112,7 +112,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         format=FORMAT,
         channels=tuple(columns),
         values=values.astype(np.float64),
-        timing=_timing(path, main.times),
+        timing=time_keys(path, main.times, _EXPORT_AGAIN),
         lost=np.zeros(len(values), bool),
         carried=tuple(n for track in together for n in track.names if n and n not in used),
         notes=notes,
@@ -123,16 +123,6 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 
 class _Unreadable(Exception):
     """A GLB is stored in a way that cannot be read; the text says how, as a phrase."""
-
-
-def _timing(path: Path, times: Times) -> Timing | NoTimes:
-    try:
-        return time_rows(times, 2 * float(np.spacing(np.float32(np.abs(times).max()))))
-    except NoTimes as none:
-        return none
-    except BadRow as bad:
-        problem = f"its key {bad.row + 1} does not come after the one before it"
-        raise FileError(path, problem, _EXPORT_AGAIN) from None
 
 
 def _columns(track: Track) -> dict[str, int]:

@@ -99,6 +99,24 @@ class Timing:
     notes: tuple[str, ...] = ()
 
 
+def time_keys(path: Path, times: Times, remedy: str) -> Timing | NoTimes:
+    """The timing of keys that an animation stores as single-precision seconds.
+
+    Args:
+        path, remedy: for the message.
+
+    Raises:
+        FileError: a key does not come after the one before it.
+    """
+    try:
+        return time_rows(times, 2 * float(np.spacing(np.float32(np.abs(times).max()))))
+    except NoTimes as none:
+        return none
+    except BadRow as bad:
+        problem = f"its key {bad.row + 1} does not come after the one before it"
+        raise FileError(path, problem, remedy) from None
+
+
 def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
     """The timing of rows with times.
 

@@ -20,7 +20,7 @@ from faceedit_app.core.names import naming_of
 from faceedit_app.formats.files import LONGEST_NAME, check_text, shown
 from faceedit_app.formats.number_spans import SpanSource
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.timing import BadRow, NoTimes, Timing, counted, time_rows
+from faceedit_app.formats.timing import counted, time_keys
 from faceedit_app.formats.weights import PERCENT
 
 FORMAT = "Unity animation clip"
@@ -91,7 +91,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         format=FORMAT,
         channels=tuple(columns),
         values=values,
-        timing=_timing(path, np.array(longest.times)),
+        timing=time_keys(path, np.array(longest.times), "sort the keys by time"),
         lost=np.zeros(len(values), bool),
         carried=tuple(shown(name, LONGEST_NAME) for name in sorted(others)),
         notes=(*_still_notes(still), _SLOPES),
@@ -164,16 +164,6 @@ def _numbers(path: Path, content: bytes, spans: Sequence[tuple[int, int]]) -> li
             raise FileError(path, problem, "save it again", _line(content, start))
         numbers.append(number)
     return numbers
-
-
-def _timing(path: Path, times: NDArray[np.float64]) -> Timing | NoTimes:
-    try:
-        return time_rows(times, 2 * float(np.spacing(np.float32(np.abs(times).max()))))
-    except NoTimes as none:
-        return none
-    except BadRow as bad:
-        problem = f"its key {bad.row + 1} does not come after the one before it"
-        raise FileError(path, problem, "sort the keys by time") from None
 
 
 def _still_notes(still: int) -> tuple[str, ...]:
