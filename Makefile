@@ -16,11 +16,12 @@ help:
 run: $(READY)
 	$(BIN)/faceedit --demo
 
-# Neighbours in a file stay in one process, which prepares what they share only once. The programs
+# Neighbours in a file stay in one process, which prepares what they share only once. A process that
+# dies ends the run at once, with the name of its test: a new one would wait for ever. The programs
 # that tests start find all modules compiled, also where Python is set not to keep them.
 test: $(READY)
 	QT_QPA_PLATFORM=offscreen PYTHONDONTWRITEBYTECODE= \
-		$(BIN)/python -m pytest -n auto --dist worksteal
+		$(BIN)/python -m pytest -n auto --dist worksteal --max-worker-restart 0
 
 check: $(READY)
 	$(BIN)/ruff check .

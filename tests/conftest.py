@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
+from collections.abc import Iterator
+
+import pytest
 
 # Torch's builds for graphics cards bring triton, which has an LLVM of its own and crashes if it is
 # loaded after the one that software OpenGL brings. Nothing but a test run has both in a process.
@@ -17,3 +21,22 @@ from support.media import devices
 from support.windows import bench
 
 __all__ = ["bench", "devices"]
+
+# Garbage is collected between tests, in the main thread, as the application's `Collector` does: a
+# thread of a window's that happens to collect would delete the plots of earlier windows, and crash.
+_MANY = gc.get_threshold()[0]  # new objects that make Python collect
+_ALL = 20  # collections of new objects until all are looked through
+_collected = 0
+
+
+def pytest_configure() -> None:
+    gc.disable()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown() -> Iterator[None]:
+    global _collected
+    yield
+    if gc.get_count()[0] > _MANY:
+        _collected += 1
+        gc.collect(2 if _collected % _ALL == 0 else 1)

@@ -25,7 +25,7 @@ from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
-from faceedit_app.ui.start.application import Collector, keep_for_good, rarely_collect
+from faceedit_app.ui.start.application import Collector, collect_nothing
 from faceedit_app.ui.state import loading
 
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -331,19 +331,6 @@ def test_the_take_that_was_asked_for_last_wins(
     assert open_path(window) == bench.take
 
 
-def test_garbage_is_collected_as_usual_once_the_start_is_over() -> None:
-    usual = gc.get_threshold()
-    rarely_collect()
-    try:
-        assert gc.isenabled()
-        assert gc.get_threshold()[0] > 100 * usual[0]
-        keep_for_good()
-        assert gc.get_threshold() == usual
-    finally:
-        gc.set_threshold(*usual)
-        gc.unfreeze()
-
-
 def test_garbage_is_collected_in_the_gui_thread_only(qtbot: QtBot) -> None:
     class Cycle:
         def __init__(self) -> None:
@@ -358,10 +345,11 @@ def test_garbage_is_collected_in_the_gui_thread_only(qtbot: QtBot) -> None:
 
     collected: list[threading.Thread] = []
     kept: list[list[object]] = []
+    collect_nothing()
+    busy()
     collector = Collector()
     collector.begin()
     try:
-        busy()
         thread = threading.Thread(target=busy)
         thread.start()
         thread.join()
@@ -370,4 +358,16 @@ def test_garbage_is_collected_in_the_gui_thread_only(qtbot: QtBot) -> None:
         assert set(collected) == {threading.main_thread()}
     finally:
         collector.end()
-    assert gc.isenabled()
+
+
+@pytest.mark.parametrize("collects", [True, False])
+def test_python_collects_again_where_it_did_before(collects: bool) -> None:
+    collector, before = Collector(), gc.isenabled()
+    try:
+        (gc.enable if collects else gc.disable)()
+        collector.begin()
+        assert not gc.isenabled()
+        collector.end()
+        assert gc.isenabled() == collects
+    finally:
+        (gc.enable if before else gc.disable)()

@@ -23,7 +23,7 @@ from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.lab.attacks.watchdog import Watchdog
-from faceedit_app.ui.start.application import Collector, application
+from faceedit_app.ui.start.application import application, collecting
 from faceedit_app.ui.start.window import MainWindow
 
 BURST = 40  # gestures between two checks
@@ -94,11 +94,11 @@ def soak(
         exceptions_noted() as unexpected,
         dialogs_cancelled() as refused,
         contextlib.ExitStack() as watch,
+        collecting(),
     ):
         folder = Path(name)
         journal.journal_folder = lambda: folder / "journals"
-        window, collector = open_window(take, folder, character), Collector()
-        collector.begin()
+        window = open_window(take, folder, character)
         try:
             began, monkey = time.monotonic(), Monkey(window, random.Random(seed))
             dog = watch.enter_context(Watchdog(lambda: f"seed {seed}, after {monkey.said}"))
@@ -118,7 +118,6 @@ def soak(
                 shutil.copytree(folder, keep, dirs_exist_ok=True)
             _undo_everything(window, folder, soaked, dog)
         finally:
-            collector.end()
             window.leave()
             journal.journal_folder = folder_of_journals
     if soaked.growth > MOST_GROWTH:

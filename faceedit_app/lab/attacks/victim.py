@@ -26,7 +26,7 @@ from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover
-from faceedit_app.ui.start.application import Collector, application
+from faceedit_app.ui.start.application import application, collecting
 
 PROJECT, EXPORTED = "work.faceedit", "exported.csv"
 
@@ -46,13 +46,11 @@ def main(folder: Path, seed: int) -> None:
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     application()
     journal.journal_folder = lambda: folder / "journals"
-    with dialogs_cancelled():
+    with dialogs_cancelled(), collecting():
         dialogs.ask_recover = lambda *_: Recover.RECOVER
         recovers = bool(pending_journals(folder / "journals"))
         _say(starts=True)
         window = open_window(folder / "take.csv", folder)
-        collector = Collector()
-        collector.begin()
         session, chance = session_of(window), random.Random(seed)
         monkey = Monkey(window, chance)
         _say(did="recover" if recovers else "open", state=state_of(session.state))

@@ -25,7 +25,7 @@ from faceedit_app.lab.bench import busy, kernels, references, starting, window
 from faceedit_app.lab.bench.clocks import Times
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
-from faceedit_app.ui.start.application import application
+from faceedit_app.ui.start.application import application, collecting
 
 PACKAGES = (
     "numpy",
@@ -74,7 +74,7 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
     say("starting")
     found["start_s"], found["peak_mb"] = _starts(plan)
     app = application()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, collecting(app):
         desk = Desk(app, Path(folder), rig, engine)
         say("dragging")
         found |= window.drag(desk, plan.repetitions)

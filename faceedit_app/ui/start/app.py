@@ -12,8 +12,8 @@ from PySide6.QtWidgets import QApplication
 from faceedit_app.ui.start.application import (
     Collector,
     application,
+    collect_nothing,
     keep_for_good,
-    rarely_collect,
 )
 
 # The module above makes the imports below quicker.
@@ -34,7 +34,7 @@ def run(take: Path | None, demo: bool = False, character: Path | None = None) ->
     Returns:
         The process's exit code.
     """
-    rarely_collect()
+    collect_nothing()
     app = application()
     crash.install()
     _quit_on_interrupt(app)

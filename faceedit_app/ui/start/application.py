@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import sys
+from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
 
@@ -13,8 +15,7 @@ from PySide6.QtWidgets import QApplication
 from faceedit_app import __version__
 from faceedit_app.ui.look.theme import apply_theme
 
-_USUAL = gc.get_threshold()
-_RARELY = 200_000  # new objects between two collections
+_MANY = gc.get_threshold()[0]  # new objects that make Python collect
 _EVERY = 1000  # milliseconds
 _ALL = 20  # collections of new objects until all are looked through
 
@@ -30,13 +31,13 @@ def application() -> QApplication:
     return app
 
 
-def rarely_collect() -> None:
-    """Collect garbage rarely while starting, until `keep_for_good`.
+def collect_nothing() -> None:
+    """Collect no garbage while starting, until a `Collector` begins.
 
     Imports make hundreds of thousands of objects and no garbage: searching them again and again
     takes a tenth of the start.
     """
-    gc.set_threshold(_RARELY)
+    gc.disable()
 
 
 def keep_for_good() -> None:
@@ -45,7 +46,6 @@ def keep_for_good() -> None:
     A full collection blocks the window for 40 ms; without these objects, for 10 ms.
     """
     gc.freeze()
-    gc.set_threshold(*_USUAL)
 
 
 class Collector(QTimer):
@@ -58,23 +58,37 @@ class Collector(QTimer):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent, interval=_EVERY)
         self._collected = 0
+        self._interrupts = False  # Python's own collecting
         self.timeout.connect(self.collect)
 
     def begin(self) -> None:
         """Collect from now on; Python itself no longer does."""
+        self._interrupts = gc.isenabled()
         gc.disable()
         self.start()
 
     def end(self) -> None:
-        """Leave it to Python again."""
+        """Leave it to Python again, if it was before."""
         self.stop()
-        gc.enable()
+        if self._interrupts:
+            gc.enable()
 
     def collect(self) -> None:
         """Collect if there are as many new objects as would make Python do so."""
-        if gc.get_count()[0] > _USUAL[0]:
+        if gc.get_count()[0] > _MANY:
             self._collected += 1
             gc.collect(2 if self._collected % _ALL == 0 else 1)
+
+
+@contextlib.contextmanager
+def collecting(parent: QObject | None = None) -> Iterator[None]:
+    """Let a `Collector` collect meanwhile."""
+    collector = Collector(parent)
+    collector.begin()
+    try:
+        yield
+    finally:
+        collector.end()
 
 
 def _read_no_sources() -> None:
