@@ -14,7 +14,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import Fields
 from faceedit_app.formats.take import Take
 
-SEARCH_SECONDS = 2.0  # a network drive with a million files must not keep the user waiting
+SEARCH_SECONDS = 5.0  # a network drive with a million files must not keep the user waiting
 SEARCH_DEPTH = 2  # levels of folders that are searched
 
 
