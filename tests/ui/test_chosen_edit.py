@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
@@ -10,6 +12,7 @@ from support.windows import Bench, drag_curve, editor_of, session_of, trigger
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.edits.model import RANGE
 from faceedit_app.ui.start.window import MainWindow
 
 
@@ -208,6 +211,51 @@ def test_with_time_as_frames_everything_is_in_frames(window: MainWindow) -> None
     assert window.timeline.selection == (times[99], times[99])
     trigger(window, "fix_smile")
     assert "frames 100 to 100" in window.status.currentMessage()
+
+
+def test_with_time_as_timecode_ranges_are_shown_and_typed_as_timecode(window: MainWindow) -> None:
+    session, fields = session_of(window), curves_of(window).fields
+    times = session.take.clip.times
+    session.add(Edit(("mouth_opening",), Op.OFFSET, float(times[60]), float(times[96]), 0.1, 4.0))
+    edits = editor_of(window).edits
+    edits.select(0)
+    trigger(window, "unit_timecode")
+    assert (fields.start.text(), fields.end.text()) == ("12:00:01:00", "12:00:01:36")
+    layout = fields.layout()
+    assert layout is not None
+    layout.activate()
+    for box in (fields.start, fields.end):
+        text = box.lineEdit()
+        assert text.fontMetrics().horizontalAdvance(text.text()) < text.width() - 8, "it is cut"
+    assert fields.fade_in.value() == pytest.approx(6.0)  # frames
+    fields.start.setFocus()
+    fields.start.selectAll()
+    QTest.keyClicks(fields.start, "1:10")
+    QTest.keyClick(fields.start, Qt.Key.Key_Return)
+    assert (session.edits[0].start, session.edits[0].end) == (times[70], times[96])
+    QTest.keyClick(fields.end, Qt.Key.Key_Up)
+    assert (session.edits[0].start, session.edits[0].end) == (times[70], times[97])
+    index = edits.model.index(0)
+    assert edits.model.ends(session.edits[0]) == "12:00:01:10 – 12:00:01:37"
+    assert edits.model.setData(
+        index, edits.model.typed_range("12:00:01:10 – 2:00", session.edits[0]), RANGE
+    )
+    assert (session.edits[0].start, session.edits[0].end) == (times[70], times[120])
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert fields.start.text() == "–"
+
+
+def test_a_take_without_timecode_is_shown_in_seconds(window: MainWindow) -> None:
+    line = window.timeline
+    trigger(window, "unit_timecode")
+    assert line.clip is not None
+    with_code = line.clip
+    line.open(replace(with_code, timecodes=None))
+    line.select((0.5, 1.0))
+    assert curves_of(window).fields.start.text() == "0.500"
+    line.open(with_code)
+    line.select((0.5, 1.0))
+    assert curves_of(window).fields.start.text() == "12:00:00:30"
 
 
 def test_a_typed_start_does_not_round_the_end(window: MainWindow) -> None:

@@ -15,9 +15,9 @@ from support.windows import Bench
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.ui.page.time_entry import TimeEntry
-from faceedit_app.ui.page.typed_time import typed_frame
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.clock import Unit, times
+from faceedit_app.ui.state.clock import Unit, label, times
+from faceedit_app.ui.state.typed_time import typed_frame, typed_range
 
 COUNT = 4000  # frames at 60 a second: more than a minute
 
@@ -75,6 +75,42 @@ def test_past_midnight_is_after_the_beginning() -> None:
 
 def test_a_take_without_timecode_tells_seconds() -> None:
     assert typed_frame(clip(codes=False), "0:02", Unit.TIMECODE, 0) == 120
+
+
+@pytest.mark.parametrize("fraction", ["", ".999"])
+def test_the_label_of_a_frame_can_be_typed(fraction: str) -> None:
+    codes = tuple(code.replace(".250", fraction) for code in TAKE.timecodes or ())
+    take = replace(TAKE, timecodes=codes)
+    for frame in (0, 1, 150, COUNT - 1):
+        shown = label(take, float(take.times[frame]), Unit.TIMECODE)
+        assert typed_frame(take, shown, Unit.TIMECODE, 0) == frame
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "range_"),
+    [
+        ("1.25 – 3", Unit.SECONDS, (1.25, 3.0)),
+        ("1,25-3,5 s", Unit.SECONDS, (1.25, 3.5)),
+        ("3 s to 1 s", Unit.SECONDS, (1.0, 3.0)),
+        ("2.5", Unit.SECONDS, (2.5, 2.5)),
+        ("0:01 1:99999", Unit.SECONDS, (1.0, TAKE.duration)),
+        ("61 – 121", Unit.FRAMES, (1.0, 2.0)),
+        ("frames 0 to 99999", Unit.FRAMES, (0.0, (COUNT - 1) / 60)),
+        ("12:00:01:00 – 12:01:02:30", Unit.TIMECODE, (1.0, 62.5)),
+        ("12:00:01:00 – 3:00", Unit.TIMECODE, (1.0, 3.0)),
+        ("01:02:00-03:30", Unit.TIMECODE, (62.0, 63.5)),
+    ],
+)
+def test_a_range_is_typed_in_the_same_way(
+    text: str, unit: Unit, range_: tuple[float, float]
+) -> None:
+    assert typed_range(TAKE, text, unit, 0) == pytest.approx(range_)
+
+
+@pytest.mark.parametrize("text", ["", "1 2 3", "x – 3", "12:00:00:00 – 13:00:00:00"])
+def test_what_is_no_range_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"[A-Z].{8}"):
+        typed_range(TAKE, text, Unit.TIMECODE, 0)
 
 
 BAD = [

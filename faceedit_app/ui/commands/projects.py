@@ -41,7 +41,7 @@ def view_of(workspace: Workspace) -> ViewState:
     line = workspace.timeline
     window = {
         "falloff_out": line.own_falloffs[1],
-        "unit": line.clock.unit.value,
+        "unit": line.clock.chosen.value,
         "mirror_film": workspace.media.mirrored,
     }
     return ViewState(line.time, line.view, line.own_selection, line.own_falloffs[0], window)

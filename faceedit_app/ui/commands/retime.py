@@ -93,9 +93,10 @@ class RetimeCommands:
                 raise FaceEditError(f"Other motion fills up to {LONGEST_FILL:.0f} s")
             return edit, fill_edit(session, start, end)
 
+        shown = self._workspace.shown_time(at)
         asked = Asked(
             "Insert a pause",
-            f"How long the face pauses at {at:.2f} s; what follows makes room.",
+            f"How long the face pauses at {shown}; what follows makes room.",
             Number("Pause", "s", _FIRST_PAUSE, 0.02, _LONGEST_PAUSE, 0.05),
             option="&Fill it with other motion of the take",
         )
@@ -122,7 +123,10 @@ class RetimeCommands:
         self._show(asked, edits)
 
     def _show(self, asked: Asked, edits: Callable[[float, bool], tuple[Edit, ...]]) -> None:
-        RetimeDialog(self._workspace.window, self._document, asked, edits, self._make).show()
+        workspace = self._workspace
+        RetimeDialog(
+            workspace.window, self._document, asked, edits, workspace.shown_range, self._make
+        ).show()
 
     def _make(self, edits: tuple[Edit, ...]) -> None:
         from faceedit_app.editing.edits.describe import describe

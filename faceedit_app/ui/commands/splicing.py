@@ -62,9 +62,10 @@ class SpliceCommands:
         from faceedit_app.editing.edits.splice import LONGEST_INSERT, Splice
 
         at = self._timeline.time
+        shown = self._workspace.shown_time(at)
         self._ask(
             "Insert time and lengthen",
-            f"At {at:.2f} s the face rests, without sound; everything after it moves later.",
+            f"At {shown} the face rests, without sound; everything after it moves later.",
             (_FIRST, LONGEST_INSERT),
             lambda seconds: Splice(at, at, seconds),
         )

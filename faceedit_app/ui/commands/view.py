@@ -130,6 +130,12 @@ class ViewCommands:
         """The unit in which times are shown."""
         return self._timeline.clock.unit
 
+    @property
+    def has_timecode(self) -> bool:
+        """Whether the take has timecode."""
+        clip = self._timeline.clip
+        return clip is not None and bool(clip.timecodes)
+
     def show_time_as(self, unit: Unit) -> None:
         """Show times in another unit."""
         self._timeline.clock.choose(unit)
@@ -324,7 +330,7 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             submenu="Show &time as"),
     Command("unit_timecode", "&Timecode", lambda do: do.show_time_as(Unit.TIMECODE),
             tip="Show times as the take's timecode", checked=lambda do: do.unit is Unit.TIMECODE,
-            submenu="Show &time as"),
+            enabled=lambda do: do.has_timecode, submenu="Show &time as"),
     Command("show_edited", "Show &edited face", ViewCommands.show_edited,
             tip="Show the face with your edits", checked=_shows_edited, starts_group=True),
     Command("show_tracked", "Sho&w tracked face", ViewCommands.show_tracked, ("T",),

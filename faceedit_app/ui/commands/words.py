@@ -44,6 +44,7 @@ class WordCommands:
             sound.offset if sound is not None else 0.0,
             (0.0, line.duration),
             line.selection,
+            self._workspace.shown_range(*line.selection) if line.selection is not None else "",
         )
         dialog = WordsDialog(
             self._workspace.window,

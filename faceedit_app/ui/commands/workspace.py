@@ -16,7 +16,7 @@ from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
-from faceedit_app.ui.state.clock import shown_range
+from faceedit_app.ui.state.clock import Unit, shown_range, shown_time
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.preferences import Preferences
@@ -121,6 +121,14 @@ class Workspace(QObject):
         self.message.emit(
             f"{name}: {self.shown_range(start, end)}; set its strength above the list of edits"
         )
+
+    def shown_time(self, seconds: float) -> str:
+        """A time in the unit in which times are shown."""
+        clip, unit = self.timeline.clip, self.timeline.clock.unit
+        if clip is None:
+            return ""
+        shown = shown_time(clip, seconds, unit)
+        return f"frame {shown}" if unit is Unit.FRAMES else shown
 
     def shown_range(self, start: float, end: float) -> str:
         """A time range in the unit in which times are shown."""

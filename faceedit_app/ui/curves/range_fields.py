@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
+from faceedit_app.ui.curves.time_box import TimeBox
 from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
 _LONGEST = 1e6
+_SIZE, _TIMECODE_SIZE = 0.88, 0.8  # of the font: a timecode is long
 
 
 class RangeFields(QWidget):
@@ -29,27 +31,16 @@ class RangeFields(QWidget):
     ) -> None:
         super().__init__(parent)
         self._timeline, self._edges = timeline, edges
+        self.start, self.end = TimeBox(timeline), TimeBox(timeline)
+        self.fade_in, self.fade_out = NumberBox(), NumberBox()
+        self._boxes = self.start, self.end, self.fade_in, self.fade_out
         names = "Selection start", "Selection end", "Falloff in", "Falloff out"
-        self._boxes = tuple(self._field(name) for name in names)
-        self.start, self.end, self.fade_in, self.fade_out = self._boxes
-        self.setFixedWidth(style.HEADER_WIDTH)
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(10, 0, 8, 0)
-        grid.setHorizontalSpacing(4)
-        grid.setVerticalSpacing(1)
-        for row, (words, left, right) in enumerate(
-            (("Range", self.start, self.end), ("Falloff", self.fade_in, self.fade_out))
-        ):
-            label = QLabel(words)
-            label.setObjectName("caption")
-            label.setBuddy(left)
-            label.setFont(style.scaled_font(self, 0.88))
-            grid.addWidget(label, row, 0)
-            grid.addWidget(left, row, 1)
-            grid.addWidget(right, row, 2)
-        grid.setColumnStretch(1, 1)
-        grid.setColumnStretch(2, 1)
+        for box, name in zip(self._boxes, names, strict=True):
+            self._prepare(box, name)
+        self._range_label, falloff_label = self._caption("Range"), self._caption("Falloff")
+        self._range_label.setBuddy(self.start)
+        falloff_label.setBuddy(self.fade_in)
+        self._lay_out((self._range_label, self.start, self.end), (falloff_label, *self._boxes[2:]))
         for box in (self.start, self.end):
             box.valueChanged.connect(self._select)
         for box in (self.fade_in, self.fade_out):
@@ -59,43 +50,69 @@ class RangeFields(QWidget):
         timeline.clock.changed.connect(self._show_unit)
         self._show_unit()
 
-    def _field(self, name: str) -> NumberBox:
-        box = NumberBox()
+    def _caption(self, words: str) -> QLabel:
+        caption = QLabel(words)
+        caption.setObjectName("caption")
+        caption.setFont(style.scaled_font(self, _SIZE))
+        return caption
+
+    def _lay_out(self, *rows: tuple[QLabel, QWidget, QWidget]) -> None:
+        self.setFixedWidth(style.HEADER_WIDTH)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        wide = max(caption.sizeHint().width() for caption, *_ in rows)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(10, 0, 8, 0)
+        column.setSpacing(1)
+        for caption, left, right in rows:
+            caption.setFixedWidth(wide)
+            row = QHBoxLayout()
+            row.setSpacing(4)
+            row.addWidget(caption)
+            row.addWidget(left, 1)
+            row.addWidget(right, 1)
+            column.addLayout(row)
+
+    def _prepare(self, box: NumberBox, name: str) -> None:
         box.setObjectName("small")
         box.setKeyboardTracking(False)  # ignore half-typed numbers
         box.setAlignment(Qt.AlignmentFlag.AlignCenter)
         box.setMaximum(_LONGEST)
         box.setAccessibleName(name)
-        box.setFont(style.scaled_font(self, 0.88))
+        box.setFont(style.scaled_font(self, _SIZE))
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         box.editingFinished.connect(self.left)
         # Enter returns the focus to the curves.
         box.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
-        return box
 
     @property
     def _in_frames(self) -> bool:
-        return self._timeline.clock.unit is Unit.FRAMES and self._timeline.clip is not None
+        """Whether the numbers are frames, whatever is shown for them."""
+        return self._timeline.clock.counts_frames and self._timeline.clip is not None
 
     def _show_unit(self) -> None:
-        """Show times in frames, or in seconds."""
-        unit = "frames, counted from 1" if self._in_frames else "seconds"
-        tips = (
-            f"Start of the selection, in {unit}",
-            f"End of the selection, in {unit}",
-            *(
-                f"Time over which an edit fades {way}, in {unit.partition(',')[0]}.\n"
+        """Show times in seconds or frames, or as timecode."""
+        coded = self._in_frames and self._timeline.clock.unit is Unit.TIMECODE
+        lengths = "frames" if self._in_frames else "seconds"
+        times = "as timecode" if coded else f"in {lengths}"
+        times += ", counted from 1" if self._in_frames and not coded else ""
+        self._range_label.setHidden(coded)  # two timecodes take its place
+        for box, which in ((self.start, "Start"), (self.end, "End")):
+            # Its text no longer follows the font of the box once that was set.
+            box.lineEdit().setFont(style.scaled_font(self, _TIMECODE_SIZE if coded else _SIZE))
+            box.setToolTip(f"{which} of the selection, {times}")
+            self._count(box, 0 if self._in_frames else 3)
+        for box, way in ((self.fade_in, "in"), (self.fade_out, "out")):
+            box.setToolTip(
+                f"Time over which an edit fades {way}, in {lengths}.\n"
                 "The wheel changes it while you drag."
-                for way in ("in", "out")
-            ),
-        )
-        for box, tip in zip(self._boxes, tips, strict=True):
-            is_time = box in (self.start, self.end)
-            with QSignalBlocker(box):
-                box.setDecimals((0 if is_time else 1) if self._in_frames else 3 if is_time else 2)
-                box.setSingleStep(1.0 if self._in_frames else 0.05)
-            box.setToolTip(tip)
+            )
+            self._count(box, 1 if self._in_frames else 2)
         self.sync()
+
+    def _count(self, box: NumberBox, decimals: int) -> None:
+        with QSignalBlocker(box):
+            box.setDecimals(decimals)
+            box.setSingleStep(1.0 if self._in_frames else 0.05)
 
     def _shown(self, seconds: float) -> float:
         """The number that stands for a time."""

@@ -102,7 +102,10 @@ class Readout:
         if drag is None or not drag.moving:
             return Handle(time, asked, held=drag is not None)
         face = float(session.achieved[frame, control])
-        words = drag.words, f"asked {one_decimal(asked)} · face {one_decimal(face)}"
+        amount = drag.words
+        if isinstance(drag, RetimeDrag) and drag.later is not None:
+            amount = length(self._timeline, drag.later, "+")
+        words = amount, f"asked {one_decimal(asked)} · face {one_decimal(face)}"
         return Handle(time, asked, True, words)
 
     def _hint(self) -> str:

@@ -92,9 +92,15 @@ class RetimeDrag:
     def words(self) -> str:
         """The amount, for the label beside the pointer."""
         (start, end), (first, last) = self.was, self.goal
-        if self.grip in (Edge.START, Edge.END) and end > start:
+        if self.later is None:
             return f"{100 * (last - first) / (end - start):.0f} %"
-        return f"{first - start:+.2f} s"
+        return f"{self.later:+.2f} s"
+
+    @property
+    def later(self) -> float | None:
+        """Seconds by which it is moved; None if it is stretched."""
+        (start, end), (first, _) = self.was, self.goal
+        return None if self.grip in (Edge.START, Edge.END) and end > start else first - start
 
     def span(self, falloff: float, falloff_out: float | None = None) -> Span:
         """Where the content is now, and what makes up for it on both sides."""

@@ -17,7 +17,7 @@ from faceedit_app.ui.curves.marks import Gaps, Playhead, edit_region, grip, sele
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.clock import Unit, shown_time
 from faceedit_app.ui.state.timeline import Timeline
 
 _NEAR_GAP = 4.0  # pixels from a gap within which its tooltip is shown
@@ -156,7 +156,8 @@ class Ruler(pg.GraphicsView, Mouse):
             for gap, (first, last) in zip(self._clip.gaps, self._gaps, strict=True):
                 if scale.x_of(first) - _NEAR_GAP <= x <= scale.x_of(last) + _NEAR_GAP:
                     plural = "s" if gap.missing > 1 else ""
-                    text = f"{gap.missing} frame{plural} missing at {first:.2f} s"
+                    after = shown_time(self._clip, first, self._timeline.clock.unit)
+                    text = f"{gap.missing} frame{plural} missing after {after}"
                     QToolTip.showText(event.globalPos(), text, self)
                     return True
         return bool(super().viewportEvent(event))

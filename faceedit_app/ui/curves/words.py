@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from faceedit_app.editing.edits.describe import one_decimal
-from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool
 
@@ -20,12 +19,12 @@ IDLE_HINTS = {
 }
 
 
-def length(timeline: Timeline, seconds: float) -> str:
-    """A length of time in the unit in which times are shown."""
+def length(timeline: Timeline, seconds: float, sign: str = "") -> str:
+    """A length of time in the unit in which times are shown; `sign` may be `+`."""
     clip = timeline.clip
-    if clip is None or timeline.clock.unit is not Unit.FRAMES:
-        return f"{seconds:.2f} s"
-    return f"{seconds * clip.rate:.1f} frames"
+    if clip is None or not timeline.clock.counts_frames:
+        return f"{seconds:{sign}.2f} s"
+    return f"{seconds * clip.rate:{sign}.1f} frames"
 
 
 def note_on(tracked: float, asked: float, face: float) -> str:

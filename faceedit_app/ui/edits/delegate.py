@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
     QStyle,
     QStyledItemDelegate,
     QStyleOptionViewItem,
+    QToolTip,
     QWidget,
 )
 
@@ -217,7 +218,7 @@ class EditsDelegate(QStyledItemDelegate):
             editor.selectAll()
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
-        """Take what was typed; a range that cannot be read changes nothing."""
+        """Take what was typed; of a range that cannot be read, say why."""
         place = model.index(index.row(), 0)
         if isinstance(editor, QSpinBox):
             model.setData(place, editor.value() / 100, STRENGTH)
@@ -225,8 +226,13 @@ class EditsDelegate(QStyledItemDelegate):
             model.setData(place, editor.text())
         elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
             edit = index.data(Qt.ItemDataRole.UserRole)
-            typed = model.typed_range(editor.text())
-            if typed is not None and editor.text() != model.ends(edit):
+            try:
+                typed = model.typed_range(editor.text(), edit)
+            except ValueError as error:
+                under = editor.mapToGlobal(editor.rect().bottomLeft())
+                QToolTip.showText(under, str(error), editor.parentWidget())
+                return
+            if typed != (edit.start, edit.end):
                 model.setData(place, typed, RANGE)
 
     def updateEditorGeometry(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -26,11 +25,11 @@ from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.clock import Unit, label
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.typed_time import typed_range
 
 COLUMNS = Qt.ItemDataRole.UserRole + 1  # when, on what, how strongly
 GROUP = Qt.ItemDataRole.UserRole + 4  # (edits or 0 if not its head, whether open); None if none
 STRENGTH, RANGE = (Qt.ItemDataRole.UserRole + i for i in (2, 3))  # to set them
-_NUMBER = re.compile(r"\d+(?:\.\d*)?|\.\d+", re.ASCII)
 _MIME = "application/x-faceedit-row"
 Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
@@ -164,22 +163,29 @@ class EditsModel(QAbstractListModel):
                 strength = "–"
         return when, what, strength
 
-    def typed_range(self, text: str) -> tuple[float, float] | None:
-        """The range that a text such as `1.2 – 3` means, in the unit of `ends`; None if none."""
-        clip, numbers = self._timeline.clip, [float(n) for n in _NUMBER.findall(text)]
-        if clip is None or not 1 <= len(numbers) <= 2:
-            return None
-        if self._timeline.clock.unit is Unit.FRAMES:
-            frames = (min(max(round(n), 1), len(clip)) - 1 for n in numbers)
-            numbers = [float(clip.times[frame]) for frame in frames]
-        first, last = (min(max(n, 0.0), clip.duration) for n in (numbers[0], numbers[-1]))
-        return min(first, last), max(first, last)
+    def typed_range(self, text: str, edit: Edit) -> tuple[float, float]:
+        """The range that a text such as `1.2 – 3` means, in the unit of `ends`.
+
+        An end that was not changed stays exactly where it is.
+
+        Raises:
+            ValueError: what is wrong with the text, in one line for the user.
+        """
+        line = self._timeline
+        assert line.clip is not None
+        (start, end), (first, last) = (
+            typed_range(line.clip, words, line.clock.unit, line.frame)
+            for words in (text, self.ends(edit))
+        )
+        start = edit.start if start == first else start
+        end = edit.end if end == last else end
+        return min(start, end), max(start, end)
 
     def ends(self, edit: Edit) -> str:
-        """The range of an edit as it is typed: in frames, or else in seconds."""
-        clip = self._timeline.clip
-        if clip is not None and self._timeline.clock.unit is Unit.FRAMES:
-            return " – ".join(label(clip, s, Unit.FRAMES) for s in (edit.start, edit.end))
+        """The range of an edit as it is typed, in the unit in which times are shown."""
+        clip, unit = self._timeline.clip, self._timeline.clock.unit
+        if clip is not None and unit is not Unit.SECONDS:
+            return " – ".join(label(clip, s, unit) for s in (edit.start, edit.end))
         return f"{max(edit.start, 0.0):.3f} – {max(edit.end, 0.0):.3f}"
 
     def flags(self, index: Index) -> Qt.ItemFlag:

@@ -72,6 +72,7 @@ class RetimeDialog(PreviewDialog):
         asked: what is asked for.
         edits_for: the edits for a number, and whether the box is ticked; raises a `FaceEditError`
             that says why there are none.
+        shown_range: writes a range of seconds for people.
         make: called with the edits to make.
     """
 
@@ -81,10 +82,12 @@ class RetimeDialog(PreviewDialog):
         document: Document,
         asked: Asked,
         edits_for: Callable[[float, bool], tuple[Edit, ...]],
+        shown_range: Callable[[float, float], str],
         make: Callable[[tuple[Edit, ...]], None],
     ) -> None:
         super().__init__(parent, document)
         self._edits_for, self._make = edits_for, make
+        self._shown_range = shown_range
         self._edits: tuple[Edit, ...] = ()
         self.setWindowTitle(asked.title)
         self.number = _spin_box(asked.number)
@@ -120,7 +123,8 @@ class RetimeDialog(PreviewDialog):
             self._edits, text = (), f"{error}."
         if self._edits:
             edit = self._edits[0]
-            text = f"Changes {edit.start:.2f} to {edit.end:.2f} s; all that follows keeps its time."
+            where = self._shown_range(edit.start, edit.end)
+            text = f"Changes {where}; all that follows keeps its time."
         self.message.setText(text)
         self.ok.setEnabled(bool(self._edits))
         self._document.preview(*self._edits)

@@ -47,12 +47,14 @@ class Place:
         offset: when its file begins, in seconds of the take.
         take: first and last second of the take.
         selection: the selected range, if any.
+        shown: the selected range as it is shown.
     """
 
     sound: Sound | None
     offset: float
     take: tuple[float, float]
     selection: tuple[float, float] | None
+    shown: str = ""
 
 
 class WordsDialog(QDialog):
@@ -99,8 +101,7 @@ class WordsDialog(QDialog):
         self.text.setTabChangesFocus(True)
         self.in_selection = QCheckBox()
         if self._place.selection is not None:
-            start, end = self._place.selection
-            self.in_selection.setText(f"&Only in the selection, {start:.2f} to {end:.2f} s")
+            self.in_selection.setText(f"&Only in the selection, {self._place.shown}")
         self.in_selection.setVisible(self._place.selection is not None)
         self.spellings = QFormLayout()
         self.progress = QProgressBar()

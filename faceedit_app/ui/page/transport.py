@@ -13,11 +13,11 @@ from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Choice, bar_row, caption, icon_button
 from faceedit_app.ui.page.time_entry import TimeEntry
-from faceedit_app.ui.page.typed_time import typed_frame
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.clock import Unit, times
 from faceedit_app.ui.state.playback import SPEEDS, Playback
 from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.typed_time import typed_frame
 
 _UNITS = (Unit.TIMECODE, Unit.SECONDS, Unit.FRAMES)
 
@@ -85,6 +85,7 @@ class Transport(QWidget):
             for label, text in zip(self._labels, times(clip, len(clip) - 1), strict=True):
                 label.ensurePolished()
                 label.setMinimumWidth(label.fontMetrics().horizontalAdvance(text) + GAP)
+            self.clock.setVisible(bool(clip.timecodes))
         self._show_time()
         self._show_unit()
 

@@ -19,22 +19,43 @@ class Unit(StrEnum):
 
 
 class Clock(QObject):
-    """The chosen unit.
+    """The unit in which times are shown.
+
+    Attributes:
+        chosen: by the user. A take without timecode is shown in seconds instead.
 
     Signals:
-        changed(): another unit was chosen.
+        changed(): times are shown in another unit.
     """
 
     changed = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self.unit = Unit.SECONDS
+        self.chosen = Unit.SECONDS
+        self._has_timecode = True
+
+    @property
+    def unit(self) -> Unit:
+        """The unit in which the open take's times are shown."""
+        has_it = self._has_timecode or self.chosen is not Unit.TIMECODE
+        return self.chosen if has_it else Unit.SECONDS
+
+    @property
+    def counts_frames(self) -> bool:
+        """Whether a length of time is shown in frames, as with frame numbers and timecode."""
+        return self.unit is not Unit.SECONDS
 
     def choose(self, unit: Unit) -> None:
         """Show times in another unit."""
-        if unit != self.unit:
-            self.unit = unit
+        before, self.chosen = self.unit, unit
+        if self.unit is not before:
+            self.changed.emit()
+
+    def follow(self, clip: Clip) -> None:
+        """Show the times of another take."""
+        before, self._has_timecode = self.unit, bool(clip.timecodes)
+        if self.unit is not before:
             self.changed.emit()
 
 

@@ -66,6 +66,7 @@ class Timeline(QObject):
     def open(self, clip: Clip) -> None:
         """Open another clip, at its start, all of it visible, nothing selected."""
         self._clip, self.frame = clip, 0
+        self.clock.follow(clip)
         self.leave_edit()
         self.select(None)
         self.show_range(0.0, self.duration)

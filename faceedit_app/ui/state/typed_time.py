@@ -1,4 +1,4 @@
-"""From a typed time to the frame it means."""
+"""From a typed time to the frame or the moment it means."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from faceedit_app.ui.state.clock import Unit
 
 _DAY = 24 * 3600.0
 _SECONDS = re.compile(r"(?:(?:(\d+):)?(\d+):)?(\d+(?:[.,]\d*)?|[.,]\d+)\s*s?", re.ASCII)
+_APART = re.compile(r"\s*[–—-]\s*|\s+to\s+|\s+(?!s\b)")  # between two times
 _FRAME = re.compile(r"(?:frame\s*)?(\d+)", re.ASCII | re.IGNORECASE)
 
 
@@ -31,7 +32,34 @@ def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
         return _by_number(clip, text)
     if unit is Unit.TIMECODE and clip.timecodes:
         return _by_timecode(clip, clip.timecodes, text, clip.timecodes[now])
-    return _by_seconds(clip, text)
+    return _at(clip, _seconds(text), f"The take ends at {format_time(clip.duration)}")
+
+
+def typed_range(clip: Clip, text: str, unit: Unit, now: int) -> tuple[float, float]:
+    """The seconds that a text such as `1.2 – 3` means; one time means this moment.
+
+    Seconds and frame numbers beyond the take mean its ends. Of two timecodes, the second may leave
+    out what it shares with the first.
+
+    Args:
+        clip, unit, now: as for `typed_frame`.
+
+    Raises:
+        ValueError: what is wrong with the text, in one line for the user.
+    """
+    parts = [part for part in _APART.split(text.strip().removeprefix("frames ")) if part]
+    if not 1 <= len(parts) <= 2:
+        raise ValueError("Type a start and an end, such as 1.2 – 3")
+    times: list[float] = []
+    for part in parts:
+        if unit is Unit.SECONDS or (unit is Unit.TIMECODE and not clip.timecodes):
+            times.append(min(_seconds(part), clip.duration))
+            continue
+        if unit is Unit.FRAMES and part.isdecimal():
+            part = str(min(max(int(part), 1), len(clip)))
+        now = typed_frame(clip, part, unit, now)
+        times.append(float(clip.times[now]))
+    return min(times), max(times)
 
 
 def _by_number(clip: Clip, text: str) -> int:
@@ -44,13 +72,12 @@ def _by_number(clip: Clip, text: str) -> int:
     return number - 1
 
 
-def _by_seconds(clip: Clip, text: str) -> int:
+def _seconds(text: str) -> float:
     match = _SECONDS.fullmatch(text)
     if match is None:
         raise ValueError("Type seconds, such as 4.5, or minutes and seconds, such as 1:04.5")
     hours, minutes = int(match[1] or 0), int(match[2] or 0)
-    seconds = 3600 * hours + 60 * minutes + float(match[3].replace(",", "."))
-    return _at(clip, seconds, f"The take ends at {format_time(clip.duration)}")
+    return 3600 * hours + 60 * minutes + float(match[3].replace(",", "."))
 
 
 def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) -> int:
@@ -69,7 +96,16 @@ def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) ->
     if seconds < -_DAY / 2:  # past midnight
         seconds += _DAY
     ends = f"{timecodes[0].partition('.')[0]} to {timecodes[-1].partition('.')[0]}"
-    return _at(clip, seconds, f"The take has timecodes {ends}")
+    frame = _at(clip, seconds, f"The take has timecodes {ends}")
+    # What is shown leaves out thousandths of a frame, which may be almost a whole one.
+    around = range(max(frame - 1, 0), min(frame + 2, len(clip)))
+    same = _fields(":".join(whole))
+    return next((f for f in around if _fields(timecodes[f]) == same), frame)
+
+
+def _fields(timecode: str) -> list[int]:
+    """Hours, minutes, seconds and frame."""
+    return [int(field) for field in re.split("[:;]", re.split("[.,]", timecode)[0])]
 
 
 def _at(clip: Clip, seconds: float, otherwise: str) -> int:

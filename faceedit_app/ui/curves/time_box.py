@@ -1,0 +1,52 @@
+"""A field for a time of the take."""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QValidator
+
+from faceedit_app.core.clip import Clip
+from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.state.clock import Unit, label
+from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.typed_time import typed_frame
+
+
+class TimeBox(NumberBox):
+    """A field for a time; as a timecode, its number is that of the frame, counted from 1."""
+
+    def __init__(self, timeline: Timeline) -> None:
+        self._timeline = timeline  # first: it is asked what to show at once
+        super().__init__()
+
+    @property
+    def _clip(self) -> Clip | None:
+        """The take, if its timecode is shown."""
+        line = self._timeline
+        return line.clip if line.clock.unit is Unit.TIMECODE else None
+
+    def textFromValue(self, value: float) -> str:
+        """The timecode of the frame, or the number."""
+        clip = self._clip
+        if clip is None:
+            return super().textFromValue(value)
+        frame = min(max(round(value), 1), len(clip)) - 1
+        return label(clip, float(clip.times[frame]), Unit.TIMECODE)
+
+    def valueFromText(self, text: str) -> float:
+        """The frame that a timecode means, or the number."""
+        clip = self._clip
+        if clip is None:
+            return super().valueFromText(text)
+        if text == self.specialValueText():
+            return self.minimum()
+        return typed_frame(clip, text, Unit.TIMECODE, self._timeline.frame) + 1.0
+
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+        """Whether it is a time of the take."""
+        if self._clip is None:
+            return super().validate(text, position)
+        try:
+            self.valueFromText(text)
+        except ValueError:
+            return QValidator.State.Intermediate, text, position
+        return QValidator.State.Acceptable, text, position
