@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from faceedit_app.formats.converting import convert, resampled
 from faceedit_app.formats.csv_take import CONFIDENCE, ROTATIONS
 from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timing import format_rate
+from faceedit_app.media.container import check
 
 _HEAD = tuple(name for name in ROTATIONS if name.startswith("head"))
 
@@ -173,7 +175,12 @@ def export_session(
 
 
 def export_take(
-    take: Take, edited: Clip, path: Path, form: OutFormat, options: Options | None = None
+    take: Take,
+    edited: Clip,
+    path: Path,
+    form: OutFormat,
+    options: Options | None = None,
+    stopped: Callable[[], bool] | None = None,
 ) -> Exported:
     """Export a take.
 
@@ -183,8 +190,10 @@ def export_take(
         path: the file to write.
         form: its format.
         options: the rest.
+        stopped: asked before the file is written; True gives up.
 
     Raises:
+        Abandoned: `stopped` returned True; nothing was written.
         FileError: it cannot be written, or is a recording; an existing file is then untouched.
         FaceEditError: the format cannot be written at this frame rate.
     """
@@ -197,6 +206,7 @@ def export_take(
                 f"{path}: {kind.name} can only be written as it was recorded; "
                 f"choose another format, such as {registry.writable()[0].name}"
             )
+        check(stopped)
         backup = make_way(path, take.path, options.overwrite)
         clip = convert(path, take, kind, options.rate, edited, options.like)
         lost = () if same else take.carried
@@ -214,6 +224,7 @@ def export_take(
             options.compact,
             options.follows_head,
         )
+        check(stopped)
         backup = make_way(path, take.path, options.overwrite)
         write_atomically(path, content)
         turns = options.follows_head and clip.rotations is not None

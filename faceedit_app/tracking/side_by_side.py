@@ -94,7 +94,11 @@ class Shown:
 
 
 def write_side_by_side(
-    output: Path, shown: Shown, rig: Rig, stopped: Callable[[], bool] | None = None
+    output: Path,
+    shown: Shown,
+    rig: Rig,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+    stopped: Callable[[], bool] | None = None,
 ) -> tuple[Path, Path]:
     """Write an MP4 with the film's sound and, beside it, a PNG of four moments.
 
@@ -102,7 +106,8 @@ def write_side_by_side(
         output: the MP4.
         shown: what is shown.
         rig: the character.
-        stopped: True gives up.
+        progress: called with the number of pictures that are done, and of all.
+        stopped: True gives up, and nothing is written.
 
     Returns:
         The picture and the film.
@@ -115,12 +120,14 @@ def write_side_by_side(
     picture = output.with_suffix(".png")
     with _Columns(shown, rig) as columns:
         rows = [columns.picture(index) for index in _moments(shown, rig)]
-        write_png(picture, np.concatenate(rows))
         size, rate = (rows[0].shape[1], rows[0].shape[0]), columns.film.rate
         with writing(output, film_format(output), size, rate, _sound(shown.film)) as out:
-            for number in range(round(columns.film.duration * rate)):
+            count = round(columns.film.duration * rate)
+            for number in range(count):
                 check(stopped)
                 out.add(columns.picture(columns.film.index_at(number / rate)))
+                progress(number + 1, count)
+        write_png(picture, np.concatenate(rows))
     return picture, output
 
 

@@ -101,7 +101,7 @@ DIALOGS: dict[str, Open] = {
     "ask_live": _asked("ask_live"),
     "ask_record": _asked("ask_record"),
     "ask_record_name": _in_folder("ask_record_name", "recording.csv"),
-    "ask_stop_film": _asked("ask_stop_film"),
+    "ask_stop_writing": _asked("ask_stop_writing", ["talk.mp4", "talk_shorter.csv"]),
     "show_exported": _asked("show_exported", Path("talk.glb"), ["Blender: File > Import > glTF"]),
     "ask_overwrite": _asked("ask_overwrite", Path("take.csv"), "is the open take"),
     "ask_save_project": _in_folder("ask_save_project", "take.faceedit"),

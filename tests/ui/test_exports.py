@@ -16,12 +16,15 @@ from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, trigger
 
 from faceedit_app.characters.fitted import open_character
-from faceedit_app.editing import filming
+from faceedit_app.editing import exporting, filming, splicing
 from faceedit_app.editing.exporting import Options, choose, out_formats
 from faceedit_app.editing.filming import Shot, View
 from faceedit_app.formats.opening import open_take
+from faceedit_app.media.container import Abandoned
 from faceedit_app.media.film import Film
 from faceedit_app.media.film_writer import FilmFormat, film_format
+from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.edits.splice_dialog import SpliceDialog
 from faceedit_app.ui.page.export_dialog import ExportDialog
 from faceedit_app.ui.page.film_dialog import FilmDialog
 from faceedit_app.ui.start.window import MainWindow
@@ -192,22 +195,48 @@ def test_a_film_can_be_cancelled(bench: Bench, monkeypatch: pytest.MonkeyPatch) 
     assert not window.commands.file.is_filming
 
 
-def test_closing_asks_about_a_film_that_is_being_written(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("kind", ["film", "character", "longer take"])
+def test_closing_asks_about_what_is_being_written(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
-    gate = threading.Event()
+    gate, asked = threading.Event(), list[list[str]]()
 
     def waits(*arguments: object) -> None:
         gate.wait(20)
 
+    def answer(_window: object, names: list[str]) -> bool:
+        asked.append(names)
+        return len(asked) == 2
+
     monkeypatch.setattr(filming, "film_take", waits)
+    monkeypatch.setattr(exporting, "export_take", waits)
+    monkeypatch.setattr(splicing, "write_spliced", waits)
+    monkeypatch.setattr(dialogs, "ask_stop_writing", answer)
     window = bench.editing()
-    film(bench, window, bench.folder / "face.mp4", Shot(size=(64, 64)))
-    bench.answers["stop_film"] = False
+    out = bench.answers["export"] = bench.folder / "talk.xyz"
+    match kind:
+        case "film":
+            film(bench, window, out, Shot(size=(64, 64)))
+        case "character":
+            bench.answers["export_as"] = choose(Path("x.glb")), Options()
+            trigger(window, "export_as")
+        case _:
+            trigger(window, "insert_longer")
+            (dialog,) = window.findChildren(SpliceDialog)
+            dialog.write.click()
     assert not window.close()
-    bench.answers["stop_film"] = True
     assert window.close()
+    assert asked == [["talk.xyz"], ["talk.xyz"]]
     gate.set()
+
+
+def test_an_export_that_is_given_up_writes_nothing(tmp_path: Path) -> None:
+    take = open_take(make_livelink_csv(tmp_path / "take.csv", seconds=0.5))
+    for name in ("out.glb", "out.csv"):
+        form = choose(Path(name))
+        with pytest.raises(Abandoned):
+            exporting.export_take(take, take.clip, tmp_path / name, form, stopped=lambda: True)
+    assert [path.name for path in tmp_path.iterdir()] == ["take.csv"]
 
 
 def test_a_film_that_cannot_be_written_is_reported(bench: Bench) -> None:

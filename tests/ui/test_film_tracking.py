@@ -62,7 +62,9 @@ def test_a_film_becomes_a_take_beside_its_film(bench: Bench, own: Path) -> None:
     take = own.with_name("face.csv")
     bench.answers |= {"film_to_track": own, "save_take": take}
     trigger(window, "track_film")
+    assert window.workspace.unfinished.names == ["face.csv"]  # closing asks about it
     tracked(bench, window, take)
+    assert window.workspace.unfinished.names == []
     assert not dialog_of(window).isVisible()
     assert len(session_of(window).take.clip) == 25
     assert window.media.film is not None
@@ -228,7 +230,7 @@ def test_film_and_face_are_exported_side_by_side(
 ) -> None:
     made: list[side_by_side.Shown] = []
 
-    def noted(output: Path, shown: side_by_side.Shown, _rig: object) -> tuple[Path, Path]:
+    def noted(output: Path, shown: side_by_side.Shown, *_rest: object) -> tuple[Path, Path]:
         made.append(shown)
         return output.with_suffix(".png"), output
 

@@ -138,11 +138,13 @@ def ask_record_name(
     return save_name(parent, "Record to", suggestion, kinds)
 
 
-def ask_stop_film(parent: QWidget) -> bool:
-    """Whether to give up a film that is being written."""
-    box = _question(parent, "A film is still being written.", "If you stop now, no film is kept.")
-    stop = box.addButton("Stop filming", QMessageBox.ButtonRole.DestructiveRole)
-    go_on = box.addButton("Keep filming", QMessageBox.ButtonRole.RejectRole)
+def ask_stop_writing(parent: QWidget, names: Sequence[str]) -> bool:
+    """Whether to give up files that are being written."""
+    are, them = ("is", "it") if len(names) == 1 else ("are", "them")
+    message = f"{' and '.join(names)} {are} still being written."
+    box = _question(parent, message, f"If you stop now, nothing of {them} is kept.")
+    stop = box.addButton("Stop and close", QMessageBox.ButtonRole.DestructiveRole)
+    go_on = box.addButton("Keep writing", QMessageBox.ButtonRole.RejectRole)
     return _insists(box, stop, go_on)
 
 

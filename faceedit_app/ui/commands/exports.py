@@ -11,6 +11,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.film_export import FilmExport
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
 
 if TYPE_CHECKING:
     from faceedit_app.editing.exporting import Exported, Options, OutFormat
@@ -22,6 +23,7 @@ class Exports:
     def __init__(self, workspace: Workspace, failed: Callable[[Exception], None]) -> None:
         self._workspace, self._failed = workspace, failed
         self._film = FilmExport(workspace, self._place, failed)
+        self._writing = Writing(workspace, "Export")
 
     def export(self) -> bool:
         """Export the take as it came; False if the user cancels or it fails."""
@@ -74,6 +76,9 @@ class Exports:
         """Write the take in the background, and say what to do with it."""
         from faceedit_app.editing.exporting import export_take
 
+        if self._writing.is_busy:
+            self._workspace.message.emit("Another file is being exported; wait until it is written")
+            return
         document, session = self._workspace.document, self._workspace.session
         assert session is not None
         self._note_wait()
@@ -89,10 +94,11 @@ class Exports:
             lines = [*written.remarks, *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)
 
+        def write(_advance: Advance, stopped: Stopped) -> Exported:
+            return export_take(take, edited, path, form, options, stopped)
+
         self._workspace.message.emit(f"Exporting {path.name}…")
-        self._workspace.background.run(
-            lambda: export_take(take, edited, path, form, options), done, self._report
-        )
+        self._writing.start(path.name, "Exporting", write, done, self._report)
 
     def export_film(self) -> None:
         """Film the take."""
@@ -102,10 +108,6 @@ class Exports:
     def is_filming(self) -> bool:
         """Whether a film is being written."""
         return self._film.is_filming
-
-    def stop(self) -> None:
-        """Give up what is being written, as the window closes."""
-        self._film.stop()
 
     def _place(self, tail: str, ending: str) -> tuple[Path, bool] | None:
         """Where to write, and whether to replace a recording there; None if the user cancels."""

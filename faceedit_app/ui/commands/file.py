@@ -174,8 +174,7 @@ class FileCommands:
         return self._exports.is_filming
 
     def stop(self) -> None:
-        """Stop filming, sending and recording, as the window closes."""
-        self._exports.stop()
+        """Stop sending and recording, as the window closes."""
         self.live.stop()
         self._recording.stop()
         self._webcam.stop()
@@ -249,8 +248,9 @@ class FileCommands:
         return True
 
     def may_stop(self) -> bool:
-        """Ask about a film that is still being written; False if the user goes on with it."""
-        return not self.is_filming or dialogs.ask_stop_film(self._window)
+        """Ask about files that are still being written; False if the user goes on with them."""
+        names = self._workspace.unfinished.names
+        return not names or dialogs.ask_stop_writing(self._window, names)
 
     def quit(self) -> None:
         """Close the window, which asks about unsaved edits."""

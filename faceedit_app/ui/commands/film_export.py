@@ -68,7 +68,8 @@ class FilmExport:
         turns = None if session.rotations is None else session.rotations.copy()
         placement = self._workspace.media.placement
         self._writing.start(
-            f"Filming {path.name}…",
+            path.name,
+            "Filming",
             lambda advance, stopped: film_take(
                 take, weights, rig, placement, path, shot, advance, stopped, turns
             ),
@@ -88,7 +89,3 @@ class FilmExport:
         if not isinstance(error, FaceEditError):
             raise error
         self._failed(error)
-
-    def stop(self) -> None:
-        """Give up, as the window closes."""
-        self._writing.stop()

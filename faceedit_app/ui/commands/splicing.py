@@ -109,7 +109,8 @@ class SpliceCommands:
             return write_spliced(take, shown, [wanted], path, placement, has_film, progress)
 
         self._writing.start(
-            f"Writing {path.name}…",
+            path.name,
+            "Writing",
             write,
             lambda written: self._offer(written, wanted, words),
             self._failed,
@@ -130,14 +131,9 @@ class SpliceCommands:
         self._workspace.offer.emit(text, "Open it", open_it)
 
     def _failed(self, error: Exception) -> None:
-        from faceedit_app.media.container import Abandoned
-
-        if isinstance(error, Abandoned):
-            self._workspace.message.emit("Cancelled; nothing was written")
-        elif isinstance(error, FaceEditError):
-            dialogs.show_error(self._workspace.window, error)
-        else:
+        if not isinstance(error, FaceEditError):
             raise error
+        dialogs.show_error(self._workspace.window, error)
 
     def _open(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
         """Open the new take with its words; inserted time is selected, ready to be filled."""
@@ -153,7 +149,3 @@ class SpliceCommands:
                 self._timeline.select((wanted.start, wanted.start + wanted.seconds))
 
         self._workspace.opener.open(written.path, prepare, select)
-
-    def stop(self) -> None:
-        """Give up, as the window closes."""
-        self._writing.stop()

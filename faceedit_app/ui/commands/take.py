@@ -17,6 +17,7 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -30,6 +31,7 @@ class TakeCommands:
         self._workspace, self._media = workspace, workspace.media
         self.words = WordCommands(workspace)
         self.retime = RetimeCommands(workspace)
+        self._side_by_side = Writing(workspace, "Export side by side")
         self._dropped: list[Path] = []  # to be added once the take dropped with them is open
         workspace.opener.rate_needed.connect(self._ask_needed_rate)
 
@@ -124,6 +126,8 @@ class TakeCommands:
 
     def export_side_by_side(self) -> None:
         """Write film, tracked face and edited face side by side, in the background."""
+        if self._side_by_side.is_busy:
+            return
         placed, stored = self._media.film, self._media.overlay.stored
         session, rig = self._workspace.session, self._workspace.rig
         if placed is None or stored is None or session is None or rig is None:
@@ -135,12 +139,12 @@ class TakeCommands:
             return
         film, clip, edited = placed, session.take.clip, session.weights.copy()
 
-        def work() -> tuple[Path, Path]:
+        def work(advance: Advance, stopped: Stopped) -> tuple[Path, Path]:
             from faceedit_app.media.film import Film
             from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
 
             shown = Shown.of_take(Film(film.path), stored, clip, film.offset, edited)
-            return write_side_by_side(output, shown, rig)
+            return write_side_by_side(output, shown, rig, advance, stopped)
 
         def done(written: tuple[Path, Path]) -> None:
             self._workspace.message.emit(f"Wrote {written[1]} and {written[0].name}")
@@ -150,8 +154,7 @@ class TakeCommands:
                 raise error
             dialogs.show_error(self._workspace.window, error)
 
-        self._workspace.message.emit(f"Writing {output.name}…")
-        self._workspace.background.run(work, done, failed)
+        self._side_by_side.start(output.name, "Writing", work, done, failed)
 
     # --- with a take -------------------------------------------------------------------------
 

@@ -44,11 +44,13 @@ class FilmTracking:
         self._workspace, self._film, self._take, self._failed = workspace, film, take, failed
         self._face: tuple[float, float] | None = None
         self._again = False  # another face was chosen: begin again
+        self._written: Callable[[], None] = lambda: None
         self.dialog = TrackingDialog(workspace.window, film)
         self.dialog.face_chosen.connect(self._choose)
 
     def start(self) -> None:
         """Show the dialog and begin."""
+        self._written = self._workspace.unfinished.begin(self._take.name, self._give_up)
         self.dialog.open()
         self._run()
 
@@ -84,16 +86,24 @@ class FilmTracking:
                 self.dialog.restart()
                 self._run()
             else:
-                self.dialog.close()
+                self._close()
                 self._workspace.message.emit(f"{self._film.name} was not tracked")
             return
-        self.dialog.close()
+        self._close()
         if not isinstance(error, FaceEditError):
             raise error
         self._failed(error)
 
-    def _done(self, tracked: Tracked) -> None:
+    def _give_up(self) -> None:
+        self._again = False
+        self.dialog.stop()
+
+    def _close(self) -> None:
+        self._written()
         self.dialog.close()
+
+    def _done(self, tracked: Tracked) -> None:
+        self._close()
         workspace, film = self._workspace, self._film
         begins = float(tracked.clip.times[0])  # in the film; before it there is no face
 

@@ -23,6 +23,7 @@ from faceedit_app.ui.state.preferences import Preferences
 from faceedit_app.ui.state.take_opener import TakeOpener
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
+from faceedit_app.ui.state.unfinished import Unfinished
 
 if TYPE_CHECKING:  # the solver, and the page with pyqtgraph; the window appears first
     from faceedit_app.characters.fitted import FittedCharacter
@@ -61,6 +62,7 @@ class Workspace(QObject):
         self.media = TakeMedia(self.background, self)
         self.media_steps = MediaSteps(self.document, self.media)
         self.sound_player = SoundPlayer(self.media, self.timeline, self.playback, self.background)
+        self.unfinished = Unfinished()
         self.opener = TakeOpener(self.document, self.background, self)
         self.page: Editor | None = None
         self._keep_volume()
@@ -188,6 +190,7 @@ class Workspace(QObject):
 
     def close(self) -> None:
         """Stop everything and free the graphics memory."""
+        self.unfinished.stop()
         self.playback.pause()
         self.sound_player.close()
         self.media.clear()

@@ -9,6 +9,7 @@ from typing import TypeVar
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QProgressDialog
 
+from faceedit_app.media.container import Abandoned
 from faceedit_app.ui.commands.workspace import Workspace
 
 Result = TypeVar("Result")
@@ -32,6 +33,7 @@ class Writing(QObject):
         self._workspace, self._title = workspace, title
         self._stop: threading.Event | None = None
         self._dialog: QProgressDialog | None = None
+        self._written: Callable[[], None] = lambda: None
         self._advanced.connect(self._show, Qt.ConnectionType.QueuedConnection)
 
     @property
@@ -41,7 +43,8 @@ class Writing(QObject):
 
     def start(
         self,
-        text: str,
+        name: str,
+        doing: str,
         work: Callable[[Advance, Stopped], Result],
         done: Callable[[Result], None],
         failed: Callable[[Exception], None],
@@ -49,13 +52,15 @@ class Writing(QObject):
         """Begin to write.
 
         Args:
-            text: says what is being written.
+            name: of the file.
+            doing: what happens to it, such as “Writing”.
             work: writes it, in a thread.
             done: is given its result.
-            failed: is given its error.
+            failed: is given its error, unless it is `Abandoned`.
         """
         stop = self._stop = threading.Event()
-        self._dialog = self._open(text, stop)
+        self._dialog = self._open(f"{doing} {name}…", stop)
+        self._written = self._workspace.unfinished.begin(name, self.stop)
 
         def succeed(result: Result) -> None:
             self._finish()
@@ -63,13 +68,16 @@ class Writing(QObject):
 
         def fail(error: Exception) -> None:
             self._finish()
-            failed(error)
+            if isinstance(error, Abandoned):
+                self._workspace.message.emit("Cancelled; nothing was written")
+            else:
+                failed(error)
 
         advance = self._advanced.emit
         self._workspace.background.run(lambda: work(advance, stop.is_set), succeed, fail)
 
     def stop(self) -> None:
-        """Give up, as the window closes."""
+        """Give up."""
         if self._stop is not None:
             self._stop.set()
             self._finish()
@@ -90,6 +98,7 @@ class Writing(QObject):
             self._dialog.setValue(done)
 
     def _finish(self) -> None:
+        self._written()
         if self._dialog is not None:
             self._dialog.canceled.disconnect()  # closing cancels
             self._dialog.close()

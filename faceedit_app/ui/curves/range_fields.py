@@ -101,12 +101,12 @@ class RangeFields(QWidget):
             box.lineEdit().setFont(style.scaled_font(self, _TIMECODE_SIZE if coded else _SIZE))
             box.setToolTip(f"{which} of the selection, {times}")
             self._count(box, 0 if self._in_frames else 3)
-        for box, way in ((self.fade_in, "in"), (self.fade_out, "out")):
-            box.setToolTip(
+        for fade, way in ((self.fade_in, "in"), (self.fade_out, "out")):
+            fade.setToolTip(
                 f"Time over which an edit fades {way}, in {lengths}.\n"
                 "The wheel changes it while you drag."
             )
-            self._count(box, 1 if self._in_frames else 2)
+            self._count(fade, 1 if self._in_frames else 2)
         self.sync()
 
     def _count(self, box: NumberBox, decimals: int) -> None:
@@ -142,12 +142,13 @@ class RangeFields(QWidget):
                 box.setMinimum(least if chosen is not None else least - 1.0)
                 box.setSpecialValueText("" if chosen is not None else "–")
                 box.setValue(self._shown(seconds) if chosen is not None else least - 1.0)
-        for box, seconds in zip(
-            (self.fade_in, self.fade_out), (line.falloff, line.falloff_out), strict=True
+        for fade, seconds in (
+            (self.fade_in, line.falloff),
+            (self.fade_out, line.falloff_out),
         ):
-            with QSignalBlocker(box):
-                box.setMaximum(FALLOFF_RANGE[1] / self._frame)
-                box.setValue(seconds / self._frame)
+            with QSignalBlocker(fade):
+                fade.setMaximum(FALLOFF_RANGE[1] / self._frame)
+                fade.setValue(seconds / self._frame)
 
     def _select(self) -> None:
         """Move the end that was typed; the other one stays exactly where it is."""

@@ -373,7 +373,6 @@ class MainWindow(WindowBase):
     def leave(self) -> None:
         """Stop everything and free the graphics memory."""
         self.commands.file.stop()
-        self.commands.edit.splices.stop()
         self.workspace.close()
         if self._ready is not None:
             self._ready.close()
