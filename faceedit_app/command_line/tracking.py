@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Optional
@@ -15,6 +17,7 @@ from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
+    from faceedit_app.tracking.film_landmarks import Chosen
     from faceedit_app.tracking.tracker import Tracked
 
 
@@ -31,9 +34,9 @@ def track(
     face: Annotated[
         Optional[str],  # noqa: UP045
         typer.Option(
-            metavar="X,Y",
-            help="A place on the face to follow, as shares of width and height; default: the "
-            "largest face.",
+            metavar="X,Y[,SECONDS]",
+            help="A place on the face to follow, as shares of width and height, and when it is "
+            "there; default: the largest face.",
         ),
     ] = None,
     report: Annotated[
@@ -69,7 +72,7 @@ def track(
         if not as_json:
             print(_text(facts[-1]))
         if report is not None:
-            folder = report / path.stem if film.is_dir() else report
+            folder = report / take.name.removesuffix("_tracked.csv") if film.is_dir() else report
             for written in _report(folder, found, take, rig, edits, fps):
                 if not as_json:
                     print(written)
@@ -146,7 +149,13 @@ def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
     folder = output or film
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
-    return [(path, folder / f"{path.stem}_tracked.csv") for path in films]
+    return [(path, folder / f"{name}_tracked.csv") for path, name in _names(films).items()]
+
+
+def _names(films: list[Path]) -> dict[Path, str]:
+    """What each film's files are called: `me` for me.mp4, but `me.mp4` if there is a me.mov."""
+    stems = Counter(path.stem.lower() for path in films)
+    return {p: p.stem if stems[p.stem.lower()] == 1 else p.name for p in films}
 
 
 def _track_one(
@@ -154,7 +163,7 @@ def _track_one(
     take: Path,
     rig: Rig,
     fps: float | None,
-    place: tuple[float, float] | None,
+    place: Chosen | None,
     line: _Line | None,
 ) -> Tracked:
     from faceedit_app.tracking.landmark_file import write_landmarks
@@ -189,15 +198,15 @@ def _report(
 
 
 def _facts(tracked: Tracked, take: Path, fps: float | None) -> dict[str, Any]:
-    sure, (clip, gone) = tracked.sure, tracked.take_at(fps)
+    clip, gone = tracked.take_at(fps)
     return {
         "film": str(tracked.landmarks.path),
         "path": str(take),
         "frames": len(clip),
         "lost": len(gone),
         "rate": round(clip.rate, 6),
-        "duration_s": round(len(sure) / tracked.landmarks.rate, 6),
-        "confidence": round(float(tracked.confidence[sure].mean()), 3),
+        "duration_s": round(float(clip.times[-1] - clip.times[0]) + 1.0 / clip.rate, 6),
+        "confidence": round(float(tracked.confidence[tracked.sure].mean()), 3),
         "notes": list(tracked.notes),
     }
 
@@ -213,14 +222,19 @@ def _text(facts: dict[str, Any]) -> str:
     return "\n".join([*lines, *(f"  {note}" for note in facts["notes"])])
 
 
-def _place(text: str) -> tuple[float, float]:
+def _place(text: str) -> Chosen:
+    from faceedit_app.tracking.film_landmarks import Chosen
+
     try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise FaceEditError(f"--face {text}: must be X,Y, such as 0.3,0.4") from None
+        x, y, *when = (float(part) for part in text.split(","))
+        face = Chosen(x, y, *when)
+    except (ValueError, TypeError):
+        raise FaceEditError(f"--face {text}: must be X,Y or X,Y,SECONDS, such as 0.3,0.4") from None
     if not (0 <= x <= 1 and 0 <= y <= 1):
-        raise FaceEditError(f"--face {text}: both must be from 0 to 1")
-    return x, y
+        raise FaceEditError(f"--face {text}: X and Y must be from 0 to 1")
+    if when and not 0 <= when[0] < math.inf:
+        raise FaceEditError(f"--face {text}: SECONDS must be 0 or more")
+    return face
 
 
 class _Line:

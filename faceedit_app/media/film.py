@@ -25,7 +25,7 @@ Ticks = NDArray[np.int64]
 
 LONGEST_SIDE = 1280  # pixels; larger films are scaled down
 _MEMORY = 192 * 2**20  # bytes of cached pictures
-_BEHIND = 24  # pictures cached on the way to the wanted one, when the playhead moves back
+BEHIND = 24  # pictures cached on the way to the wanted one, when the playhead moves back
 # Containers with the time of each picture. In others (MPEG) times are guesses after a seek, so they
 # are decoded from the beginning whenever the playhead moves back.
 _EXACT = {"mov", "mp4", "matroska", "webm", "avi"}
@@ -337,7 +337,7 @@ class Projector:
             before = -1
             while (index := self._next_wish()) is not None:
                 back = index < before
-                self._film.picture(index, _BEHIND if back else 0)
+                self._film.picture(index, BEHIND if back else 0)
                 self._ready(index)
                 before = index
                 if not back:

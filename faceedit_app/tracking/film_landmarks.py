@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +13,10 @@ from PIL import Image
 from faceedit_app.core.arrays import Doubles, Pixels, Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.media.container import check, film_stream, opened
-from faceedit_app.media.film import Film
+from faceedit_app.media.film import BEHIND, Film
+from faceedit_app.tracking.following import Follower
 from faceedit_app.tracking.hidden import colors_at
-from faceedit_app.tracking.landmarker import (
-    LANDMARKS,
-    OUTER_EYES,
-    Face,
-    FaceLandmarker,
-    Square,
-)
+from faceedit_app.tracking.landmarker import LANDMARKS, OUTER_EYES, FaceLandmarker
 from faceedit_app.tracking.lips import SAMPLES, colors_across
 
 _SLOWEST = 8.0  # pictures per second; speech has closures of a tenth of a second
@@ -29,8 +24,6 @@ _FEWEST = 8
 _LARGEST = 4096  # pixels of the longest side
 _PICTURES = ("image2", "gif", "apng", "webp_pipe", "_pipe")
 _PAUSE = 8.0  # times the usual step between pictures
-_CERTAIN = 0.9  # probability of a face that is upside down, which is rare
-_NEAR = 0.75  # of a face's size; where it is looked for after it was lost
 
 
 @dataclass(frozen=True)
@@ -42,6 +35,7 @@ class Progress:
         done, of: pictures.
         picture: (H, W, 4) BGRA, the one just seen, if any.
         points: (478, 2) its landmarks in pixels, if it shows a face.
+        seconds: its time in the film.
     """
 
     pass_: str
@@ -49,6 +43,7 @@ class Progress:
     of: int
     picture: Pixels | None = None
     points: Doubles | None = None
+    seconds: float = 0.0
 
 
 Report = Callable[[Progress], None]
@@ -102,12 +97,35 @@ class FilmLandmarks:
         return points
 
 
+@dataclass(frozen=True)
+class Chosen:
+    """A place on the face to follow.
+
+    Attributes:
+        x, y: shares of the picture's width and height.
+        seconds: when the face is there; None = in the first picture with a face there.
+    """
+
+    x: float
+    y: float
+    seconds: float | None = None
+
+
+class NoFaceThere(FileError):
+    """The picture shows no face at the chosen place."""
+
+    def __init__(self, path: Path, face: Chosen) -> None:
+        when = "" if face.seconds is None else f" after {face.seconds:.2f} s"
+        where = f"shows no face at {face.x:.2f},{face.y:.2f}{when}"
+        super().__init__(path, where, "choose a place on a face, or none")
+
+
 def read_landmarks(
     path: Path,
     landmarker: FaceLandmarker,
     report: Report = lambda progress: None,
     stopped: Callable[[], bool] | None = None,
-    face: tuple[float, float] | None = None,
+    face: Chosen | None = None,
 ) -> FilmLandmarks:
     """Find one face in every picture of a film and follow it.
 
@@ -116,10 +134,10 @@ def read_landmarks(
         landmarker: finds faces.
         report: is called after each picture.
         stopped: asked after each picture; True gives up.
-        face: a place on the face to follow, as shares of the picture's width and height; None =
-            the largest.
+        face: the face to follow; None = the largest in the first picture with one.
 
     Raises:
+        NoFaceThere: there is no face at the chosen place.
         FileError: it is not a film, is too slow or too large, or shows no face.
         Unavailable: PyAV is not installed.
         Abandoned: `stopped` returned True.
@@ -134,44 +152,89 @@ def read_landmarks(
         raise FileError(
             path, f"{what}, too few for a take", f"use a film with {_SLOWEST:g} or more a second"
         )
-    points = np.full((len(film), LANDMARKS, 3), np.nan)
-    probabilities = np.zeros(len(film))
-    colors = np.zeros((len(film), LANDMARKS, 3), np.uint8)
-    lips = np.zeros((len(film), SAMPLES, 3), np.uint8)
-    follower: _Follower | None = None
+    seeing = _Seeing(film, landmarker, face, rate)
     try:
-        for index in range(len(film)):
+        for done, index in enumerate(seeing.order, 1):
             check(stopped)
-            picture = film.picture(index)
-            if index < film.first:  # damaged: what is shown instead was not there yet
-                continue
-            image = Image.fromarray(np.ascontiguousarray(picture[..., 2::-1]))
-            if follower is None:
-                width, height = image.size
-                place = None if face is None else (face[0] * width, face[1] * height)
-                follower = _Follower(landmarker, place)
-            found = follower.step(image)
-            if found is not None:
-                points[index], probabilities[index] = found.points, found.probability
-                colors[index] = colors_at(image, found.points)
-                lips[index] = colors_across(image, found.points)
-            seen = None if found is None else found.points[:, :2]
-            report(Progress("Finding the face", index + 1, len(film), picture, seen))
+            picture = seeing.look(index)
+            if picture is not None:
+                points = seeing.seen.points[index, :, :2] if seeing.has_face(index) else None
+                seconds = float(film.times[index])
+                report(Progress("Finding the face", done, len(film), picture, points, seconds))
     finally:
         film.close()
-    if not probabilities.any():
+    if not seeing.seen.probabilities.any():
+        if face is not None:
+            raise NoFaceThere(path, face)
         raise FileError(path, "shows no face", "use a film in which a face looks at the camera")
-    return FilmLandmarks(
-        path,
-        film.times,
-        rate,
-        film.timecode,
-        image.size,
-        points,
-        probabilities,
-        colors,
-        lips,
-    )
+    return seeing.seen
+
+
+class _Seeing:
+    """What was seen so far in the pictures of a film.
+
+    Attributes:
+        seen: all of it, up to the picture that was looked at last.
+        order: (F,) in which order the pictures are looked at.
+    """
+
+    def __init__(
+        self, film: Film, landmarker: FaceLandmarker, face: Chosen | None, rate: float
+    ) -> None:
+        self._film, self._landmarker, self._face = film, landmarker, face
+        self._follower: Follower | None = None
+        self._is_chosen_here = face is not None and face.seconds is not None  # in the first picture
+        first = 0 if face is None or face.seconds is None else film.index_at(face.seconds)
+        self._first, count = first, len(film)
+        # From the picture in which it was chosen to the end, and then back to the beginning.
+        self.order = [*range(first, count), *range(first - 1, -1, -1)]
+        self.seen = FilmLandmarks(
+            film.path,
+            film.times,
+            rate,
+            film.timecode,
+            (0, 0),
+            np.full((count, LANDMARKS, 3), np.nan),
+            np.zeros(count),
+            np.zeros((count, LANDMARKS, 3), np.uint8),
+            np.zeros((count, SAMPLES, 3), np.uint8),
+        )
+
+    def has_face(self, index: int) -> bool:
+        """Whether the face was found in a picture."""
+        return bool(self.seen.probabilities[index] > 0)
+
+    def look(self, index: int) -> Pixels | None:
+        """Look for the face in a picture; return the picture, or None if it is damaged.
+
+        Raises:
+            NoFaceThere: this is where the face was chosen, and there is none.
+        """
+        is_back = index < self._first
+        picture = self._film.picture(index, BEHIND if is_back else 0)
+        if index < self._film.first:  # damaged: what is shown instead was not there yet
+            return None
+        image = Image.fromarray(np.ascontiguousarray(picture[..., 2::-1]))
+        if self._follower is None:
+            self._follower = self._started(*image.size)
+        if index == self._first - 1 and self.has_face(self._first):
+            self._follower.go_on_from(self.seen.points[self._first])
+        found = self._follower.step(image)
+        if found is not None:
+            seen, points = self.seen, found.points
+            seen.points[index], seen.probabilities[index] = points, found.probability
+            seen.colors[index] = colors_at(image, points)
+            assert seen.lips is not None
+            seen.lips[index] = colors_across(image, points)
+        elif self._face is not None and self._is_chosen_here and index == self._first:
+            raise NoFaceThere(self._film.path, self._face)
+        return picture
+
+    def _started(self, width: int, height: int) -> Follower:
+        self.seen = replace(self.seen, size=(width, height))
+        face = self._face
+        place = None if face is None else (face.x * width, face.y * height)
+        return Follower(self._landmarker, place)
 
 
 def usual_rate(times: Times) -> float:
@@ -198,53 +261,3 @@ def _check_kind(path: Path) -> None:
                 f"has pictures of {stream.width} x {stream.height} pixels",
                 f"make it smaller, {_LARGEST} pixels at most",
             )
-
-
-class _Follower:
-    """Follows one face from picture to picture, and looks for it when it was lost."""
-
-    def __init__(self, landmarker: FaceLandmarker, place: tuple[float, float] | None) -> None:
-        self._landmarker, self._place = landmarker, place
-        self._square: Square | None = None  # where the face is in the next picture
-        self._last: Square | None = None  # where it was before it was lost
-
-    def step(self, image: Image.Image) -> Face | None:
-        """The face in the next picture, or None."""
-        face = None
-        if self._square is not None:
-            face = self._landmarker.landmarks(image, self._square)
-        if face is None:
-            face = self._look(image)
-        self._square = None if face is None else Square.around(face.points)
-        self._last = self._square or self._last
-        return face
-
-    def _look(self, image: Image.Image) -> Face | None:
-        face = self._face_in(image, self._landmarker.faces(image))
-        if face is None and (self._last is None or math.cos(self._last.angle) < 0):
-            face = self._upside_down(image)
-        if face is None:
-            return None
-        # Once more in the square around the landmarks, which is more exact.
-        return self._landmarker.landmarks(image, Square.around(face.points)) or face
-
-    def _face_in(self, image: Image.Image, squares: list[Square]) -> Face | None:
-        """The face that is followed, in one of the squares, the largest first; or None."""
-        last = self._last
-        if last is not None:  # the same face again, not another one
-            squares = [s for s in squares if s.distance_to(last.x, last.y) < _NEAR * last.size]
-        elif self._place is not None:
-            x, y = self._place
-            squares.sort(key=lambda square: square.distance_to(x, y))
-        face = self._landmarker.landmarks(image, squares[0]) if squares else None
-        return face if face is not None and math.isfinite(face.probability) else None
-
-    def _upside_down(self, image: Image.Image) -> Face | None:
-        """A face that is upside down, which the networks do not find, or not where it is."""
-        width, height = image.size
-        squares = [
-            Square(width - found.x, height - found.y, found.size, found.angle + math.pi)
-            for found in self._landmarker.faces(image.transpose(Image.Transpose.ROTATE_180))
-        ]
-        face = self._face_in(image, squares)
-        return face if face is not None and face.probability > _CERTAIN else None

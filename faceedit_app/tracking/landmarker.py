@@ -112,16 +112,22 @@ class FaceLandmarker:
             face = self.landmarks(image, Square.around(face.points))
         return face.points[:, :2] if face is not None else None
 
-    def faces(self, image: Image.Image) -> list[Square]:
-        """Squares around the faces of an RGB picture, the largest first."""
+    def faces(self, image: Image.Image, view: Square | None = None) -> list[Square]:
+        """Squares around the faces of an RGB picture, the largest first.
+
+        Args:
+            view: the upright part of it to look at; None = all. Faces below about a tenth of that
+                are not found.
+        """
         width, height = image.size
-        side = max(width, height)
-        cut = _cut(image, Square(width / 2, height / 2, side, 0.0), _SMALL) / 127.5 - 1.0
+        view = view or Square(width / 2, height / 2, max(width, height), 0.0)
+        side = view.size
+        cut = _cut(image, view, _SMALL) / 127.5 - 1.0
         boxes, scores = self._detector(cut[None])
         if boxes.shape[-1] == 1:
             boxes, scores = scores, boxes
         likely = _sigmoid(scores[0, :, 0].astype(np.float64))
-        corner = np.array([width / 2 - side / 2, height / 2 - side / 2])
+        corner = np.array([view.x - side / 2, view.y - side / 2])
         found: list[Square] = []
         for k in np.argsort(-likely, kind="stable"):
             if likely[k] < _SEEN:

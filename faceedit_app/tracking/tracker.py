@@ -20,7 +20,13 @@ from faceedit_app.formats.opening import checked_rate
 from faceedit_app.formats.timing import counted
 from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
-from faceedit_app.tracking.film_landmarks import FilmLandmarks, Progress, Report, read_landmarks
+from faceedit_app.tracking.film_landmarks import (
+    Chosen,
+    FilmLandmarks,
+    Progress,
+    Report,
+    read_landmarks,
+)
 from faceedit_app.tracking.fit import DEFAULT, Fit, FitSettings, fit_weights
 from faceedit_app.tracking.hidden import seen_share
 from faceedit_app.tracking.landmarker import FaceLandmarker
@@ -138,7 +144,7 @@ def track_film(
     rig: Rig,
     report: Report = lambda progress: None,
     stopped: Callable[[], bool] | None = None,
-    face: tuple[float, float] | None = None,
+    face: Chosen | None = None,
     settings: FitSettings = DEFAULT,
 ) -> Tracked:
     """Track the face in a film.

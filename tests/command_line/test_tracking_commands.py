@@ -69,18 +69,21 @@ def test_a_folder_is_tracked_and_what_fails_is_reported(
     films = tmp_path / "films"
     films.mkdir()
     (films / "a.mp4").write_bytes(film.read_bytes())
+    (films / "A.mov").write_bytes(film.read_bytes())
     make_film(films / "b.mp4")
     assert main(["track", str(films), "-o", str(tmp_path / "takes"), "--json"]) == 2
     said = capsys.readouterr()
-    (facts,) = json.loads(said.out)
-    assert facts["frames"] == FRAMES
+    other, facts = sorted(json.loads(said.out), key=lambda one: str(one["path"]))
+    assert facts["frames"] == other["frames"] == FRAMES
     assert facts["lost"] == 0
-    assert (facts["path"], facts["rate"]) == (str(tmp_path / "takes" / "a_tracked.csv"), 25)
+    assert (facts["path"], facts["rate"]) == (str(tmp_path / "takes" / "a.mp4_tracked.csv"), 25)
     assert facts["duration_s"] == pytest.approx(FRAMES / 25)
     assert "b.mp4: shows no face" in said.err
     assert sorted(path.name for path in (tmp_path / "takes").iterdir()) == [
-        "a_tracked.csv",
-        "a_tracked.landmarks.npz",
+        "A.mov_tracked.csv",
+        "A.mov_tracked.landmarks.npz",
+        "a.mp4_tracked.csv",
+        "a.mp4_tracked.landmarks.npz",
     ]
 
 
@@ -147,7 +150,10 @@ def test_a_film_that_does_not_exist_says_what_to_check(
     ("more", "problem"),
     [
         (["--face", "here"], "--face here: must be X,Y"),
-        (["--face", "2,0"], "both must be from 0 to 1"),
+        (["--face", "2,0"], "X and Y must be from 0 to 1"),
+        (["--face", "0.5,0.5,-1"], "SECONDS must be 0 or more"),
+        (["--face", "0.5,0.5,1,2"], "must be X,Y or X,Y,SECONDS"),
+        (["--face", "0.02,0.98,0.2"], "shows no face at 0.02,0.98 after 0.20 s; choose a place"),
         (["--edits", "e.json"], "give --report"),
         (["--fps", "0"], "cannot have 0 frames"),
     ],

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
 from support.faces import shipped_rig
 from support.films import make_film, make_wav
@@ -17,7 +18,7 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.opening import open_take
 from faceedit_app.media.container import Abandoned
-from faceedit_app.tracking.film_landmarks import Progress
+from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere, Progress
 from faceedit_app.tracking.tracker import Tracked, track_film, write_take
 
 pytestmark = needs_tracker
@@ -197,18 +198,43 @@ def test_a_moment_between_lost_pictures_is_lost_too(
 def test_the_largest_face_is_tracked_or_the_one_that_was_chosen(
     tmp_path: Path, pictures: list[NDArray[np.uint8]]
 ) -> None:
-    still = face_pictures(np.zeros((len(pictures), len(ARKIT_INDEX)), np.float32), size=240)
+    """The small face keeps still. It is not there at first, so it is chosen in a later picture."""
+    absent, chosen_in = 6, 12
+    still = face_pictures(np.zeros((1, len(ARKIT_INDEX)), np.float32), size=240)[0]
     both = []
-    for large, small in zip(pictures, still, strict=True):
+    for index, large in enumerate(pictures[:25]):
         picture = np.zeros((SIZE, SIZE + 240, 3), np.uint8)
-        picture[:, :SIZE], picture[:240, SIZE:] = large, small
+        picture[:, :SIZE] = large
+        if index >= absent:
+            picture[:240, SIZE:] = still
         both.append(picture)
     path = make_face_film(tmp_path / "two.mp4", both)
     opening = CONTROL_INDEX["mouth_opening"]
     largest = controls_of(track_film(path, shipped_rig()).weights)[:, opening]
-    chosen = controls_of(track_film(path, shipped_rig(), face=(0.8, 0.3)).weights)[:, opening]
     assert np.ptp(largest) > 4.0
-    assert np.ptp(chosen) < 2.0
+    seen: list[Progress] = []
+    face = Chosen(0.8, 0.3, chosen_in / RATE)
+    found = track_film(path, shipped_rig(), seen.append, face=face)
+    assert np.flatnonzero(found.sure).tolist() == list(range(absent, 25))
+    assert np.ptp(controls_of(found.weights)[found.sure, opening]) < 2.0
+    assert (found.landmarks.points[found.sure, 1, 0] > SIZE).all()
+    looked = [round(progress.seconds * RATE) for progress in seen if progress.picture is not None]
+    assert looked == [*range(chosen_in, 25), *range(chosen_in - 1, -1, -1)]
+    with pytest.raises(NoFaceThere, match=r"shows no face at 0\.80,0\.90; choose a place"):
+        track_film(path, shipped_rig(), face=Chosen(0.8, 0.9))
+
+
+def test_a_small_face_in_a_large_picture_is_found(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    small = []
+    for picture in pictures[:10]:
+        large = np.full((720, 1280, 3), 90, np.uint8)
+        large[500:596, 900:996] = np.asarray(Image.fromarray(picture).resize((96, 96)))
+        small.append(large)
+    found = track_film(make_face_film(tmp_path / "far.mp4", small), shipped_rig())
+    assert found.sure.all()
+    assert ("pixels high: lips and lids are less exact") in found.notes[-1]
 
 
 def test_progress_shows_every_picture_and_can_be_stopped(film: Path) -> None:
@@ -242,15 +268,11 @@ def _broken(path: Path) -> Path:
 
 
 def _photo(path: Path) -> Path:
-    from PIL import Image
-
     Image.new("RGB", (64, 64)).save(path / "photo.png")
     return path / "photo.png"
 
 
 def _gif(path: Path) -> Path:
-    from PIL import Image
-
     frames = [Image.new("RGB", (64, 64), (i, 0, 0)) for i in range(20)]
     frames[0].save(path / "moving.gif", save_all=True, append_images=frames[1:], duration=40)
     return path / "moving.gif"

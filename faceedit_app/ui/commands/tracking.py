@@ -11,6 +11,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned, has_sound
+from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.state import loading
@@ -42,7 +43,8 @@ class FilmTracking:
         self, workspace: Workspace, film: Path, take: Path, failed: Callable[[Exception], None]
     ) -> None:
         self._workspace, self._film, self._take, self._failed = workspace, film, take, failed
-        self._face: tuple[float, float] | None = None
+        self._face: Chosen | None = None
+        self._face_before: Chosen | None = None  # what was followed before the last choice
         self._again = False  # another face was chosen: begin again
         self._written: Callable[[], None] = lambda: None
         self.dialog = TrackingDialog(workspace.window, film)
@@ -75,8 +77,10 @@ class FilmTracking:
 
         self._workspace.background.run(work, self._done, self._ended)
 
-    def _choose(self, x: float, y: float) -> None:
-        self._face, self._again = (x, y), True
+    def _choose(self, face: Chosen) -> None:
+        if not self._again:
+            self._face_before = self._face
+        self._face, self._again = face, True
 
     def _ended(self, error: Exception) -> None:
         """It failed, was cancelled, or another face was chosen."""
@@ -88,6 +92,11 @@ class FilmTracking:
             else:
                 self._close()
                 self._workspace.message.emit(f"{self._film.name} was not tracked")
+            return
+        if isinstance(error, NoFaceThere) and self._face != self._face_before:
+            self._workspace.warning.emit(str(error))
+            self._face = self._face_before
+            self._run()
             return
         self._close()
         if not isinstance(error, FaceEditError):

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.tracking.film_landmarks import Progress
+from faceedit_app.tracking.film_landmarks import Chosen, Progress
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
 from faceedit_app.ui.look.theme import GAP
@@ -98,11 +98,11 @@ class TrackingDialog(QDialog):
 
     Signals:
         progressed(object): a Progress; sent from that thread.
-        face_chosen(float, float): the user clicked a face, as shares of width and height.
+        face_chosen(object): the user clicked a face; a Chosen.
     """
 
     progressed = Signal(object)
-    face_chosen = Signal(float, float)
+    face_chosen = Signal(object)
 
     def __init__(self, parent: QWidget, film: Path) -> None:
         super().__init__(parent)
@@ -110,6 +110,7 @@ class TrackingDialog(QDialog):
         self.setWindowModality(Qt.WindowModality.WindowModal)
         self._stopped, self._next = False, 0.0
         self._is_looking = False  # for the face; not while the character is fitted
+        self._shown = 0.0  # seconds in the film of the picture on screen
         self.picture = _Picture()
         self.picture.clicked.connect(self._choose)
         self.name = QLabel(film.name)
@@ -150,11 +151,11 @@ class TrackingDialog(QDialog):
     def _choose(self, x: float, y: float) -> None:
         if self._is_looking:
             self.stop()
-            self.face_chosen.emit(x, y)
+            self.face_chosen.emit(Chosen(x, y, self._shown))
 
     def _show(self, progress: Progress) -> None:
         self.picture.show_progress(progress)
-        self._is_looking = progress.picture is not None
+        self._is_looking, self._shown = progress.picture is not None, progress.seconds
         # The fit takes about as long for one picture as for a thousand.
         self.bar.setRange(0, progress.of if self._is_looking or progress.done else 0)
         self.bar.setValue(progress.done)
