@@ -17,7 +17,8 @@ from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import convert, resampled
-from faceedit_app.formats.csv_take import CONFIDENCE, ROTATIONS
+from faceedit_app.formats.csv_take import ROTATIONS
+from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.container import check

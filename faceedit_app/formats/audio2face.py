@@ -1,13 +1,16 @@
 """NVIDIA Audio2Face JSON: names, a matrix of weights, and the frames per second.
 
 `{"exportFps": 60, "trackPath": "….wav", "numFrames": T, "facsNames": [N names], "weightMat":
-[[N weights] x T]}`, indented or on one line; joints and rotations, if any, are carried.
+[[N weights] x T]}`, indented or on one line; joints and rotations, if any, are carried. FaceEdit
+adds `"confidence"`, a list of T numbers, to takes of films; Audio2Face's importers look for their
+own keys only.
 """
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +19,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.formats.json_rate import frame_rate
 from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
+from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.take import Take
 
 FORMAT = "Audio2Face JSON"
@@ -43,6 +47,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         as_list(document.get("weightMat")),
         as_list(document.get("timeCodes")),
         rate=frame_rate(text, document),
+        sure=as_list(document.get(CONFIDENCE)),
     )
     return json_take(text, FORMAT, frames, fps)
 
@@ -50,7 +55,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 def write(clip: Clip) -> bytes:
     """A clip as an export of all 52 shapes; the format has no times, so frames must be even."""
     weights = np.round(clip.arkit_weights().astype(np.float64), 6)
-    document = {
+    document: dict[str, Any] = {
         "exportFps": int(clip.rate) if clip.rate == int(clip.rate) else clip.rate,
         "trackPath": "",
         "numPoses": len(ARKIT_CHANNELS),
@@ -58,4 +63,6 @@ def write(clip: Clip) -> bytes:
         "facsNames": list(ARKIT_CHANNELS),
         "weightMat": weights.tolist(),
     }
+    if clip.confidence is not None:
+        document[CONFIDENCE] = np.round(clip.confidence.astype(np.float64), 3).tolist()
     return json.dumps(document, indent=1).encode()

@@ -72,9 +72,11 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
         parts.append(clip.confidence[:, None])
     values = at_rate(clip.times, np.concatenate(parts, axis=1), rate, clip.rate)
     times = np.arange(len(values)) / rate
+    inside = _inside_gaps(times, clip)
     if not fill_gaps:
-        seen = ~_inside_gaps(times, clip)
-        times, values = times[seen], values[seen]
+        times, values = times[~inside], values[~inside]
+    elif clip.confidence is not None:
+        values[inside, -1] = 0.0  # nothing was seen there
     floats = values.astype(np.float32)
     channels, turns = len(clip.channels), clip.rotations
     return Clip(

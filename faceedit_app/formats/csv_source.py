@@ -17,9 +17,9 @@ from faceedit_app.core.arrays import Floats
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
+from faceedit_app.formats.lost_faces import LEAST_SURE
 from faceedit_app.formats.numbers import detect_format
 
-_LEAST_SURE = 1e-3
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
 
@@ -104,7 +104,7 @@ class CsvSource:
         if self.confidence is None:
             return self
         # 0 would mean a row without a face.
-        new = np.where(edited == tracked, tracked, np.maximum(edited, _LEAST_SURE))
+        new = np.where(edited == tracked, tracked, np.maximum(edited, LEAST_SURE))
         lines = tuple(self._lines((self.confidence,), 1.0, tracked[:, None], new[:, None]))
         return replace(self, table=replace(self.table, lines=lines))
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.csv_source import CsvSource
-from faceedit_app.formats.csv_take import CONFIDENCE, confidence_cells
+from faceedit_app.formats.csv_take import confidence_cells
 from faceedit_app.formats.encodings import RecodedSource
 from faceedit_app.formats.files import BOM
+from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.take import Source
 
 _SECONDS = b"time_s"

@@ -18,7 +18,14 @@ from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import looks_like_json
-from faceedit_app.formats.lost_faces import flag_column, is_count, letters
+from faceedit_app.formats.lost_faces import (
+    CONFIDENCE,
+    LEAST_SURE,
+    confidence_of,
+    flag_column,
+    is_count,
+    letters,
+)
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
@@ -28,7 +35,6 @@ from faceedit_app.formats.weights import PERCENT
 _FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
 _FEWEST_TIMES = 8  # that run forward in a column whose name does not say that it has times
 _PERCENT = re.compile(r"[\[(]?(?:%|percent|pct|0\s*(?:-|\.\.|to)\s*100)[\])]?", re.IGNORECASE)
-CONFIDENCE = "confidence"
 # Live Link Face's rotations, which an export at another rate must not lose.
 ROTATIONS = tuple(
     part + axis for part in ("head", "lefteye", "righteye") for axis in ("yaw", "pitch", "roll")
@@ -75,7 +81,7 @@ def write(clip: Clip) -> bytes:
 
 def confidence_cells(confidence: Floats) -> list[str]:
     """The texts of (T,) confidences; one of 0 would mean that the face was lost."""
-    return [f"{max(v, 1e-3):.3f}" if v > 0 else "" for v in confidence.tolist()]
+    return [f"{max(v, LEAST_SURE):.3f}" if v > 0 else "" for v in confidence.tolist()]
 
 
 @dataclass(frozen=True)
@@ -295,7 +301,7 @@ def _confidence(places: _Places, rows: Rows) -> Floats | None:
         found = np.array([float(cell or 0) for cell in cells], np.float64)
     except ValueError:
         return None
-    return found.astype(np.float32) if ((found >= 0.0) & (found <= 1.0)).all() else None
+    return confidence_of(found)
 
 
 def _name_notes(table: Table, found: Columns) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, Place, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
-from faceedit_app.formats.lost_faces import is_flag, says_lost
+from faceedit_app.formats.lost_faces import CONFIDENCE, is_flag, says_lost
 from faceedit_app.formats.time_columns import time_columns
 from faceedit_app.formats.timecode import is_timecode
 
@@ -70,6 +70,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         rate,
         naming,
         (*faces, *_notes(sets)),
+        [_sureness(entry) for entry in entries],
     )
 
 
@@ -137,6 +138,12 @@ def _is_lost(text: JsonText, entry: Any) -> bool:
     """Whether a frame says that the face was not tracked: false, or a confidence of 0."""
     flags = ((key, value) for key, value in as_object(entry).items() if is_flag(key))
     return any(says_lost(key, _text_of(text, value)) for key, value in flags)
+
+
+def _sureness(entry: Any) -> Any:
+    """What a frame says about how sure the tracker was, or None."""
+    named = as_object(entry).items()
+    return next((value for key, value in named if letters(key) == CONFIDENCE), None)
 
 
 def _notes(sets: Sequence[Sequence[Weights]]) -> tuple[str, ...]:

@@ -14,8 +14,8 @@ from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
-from faceedit_app.formats.json_text import JsonSource, JsonText, Place, as_list
-from faceedit_app.formats.lost_faces import lost_rows
+from faceedit_app.formats.json_text import JsonSource, JsonText, Place, Places, as_list
+from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import number_times, text_times
 from faceedit_app.formats.timecode import BadTimecode
@@ -45,6 +45,7 @@ class JsonFrames:
         rate: frames per second, instead of times.
         naming: the channel that a name means.
         notes: what is unusual about them.
+        sure: (R) how sure the tracker was of each frame, numbers; empty if the file does not say.
     """
 
     names: Sequence[Any]
@@ -54,6 +55,7 @@ class JsonFrames:
     rate: float | None = None
     naming: Naming = canonical_channel
     notes: tuple[str, ...] = ()
+    sure: Sequence[Any] = ()
 
 
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
@@ -81,6 +83,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         raise text.error(problem, "write all weights in every frame, also if they are 0")
     kept = np.flatnonzero(~lost)
     places = np.ascontiguousarray(places[np.ix_(kept, filled)])
+    sure_places = _sure_places(text, frames, kept)
     used = {columns[channel] for channel in channels}
     recording = Recording(
         path=text.path,
@@ -89,12 +92,14 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         values=values[np.ix_(kept, filled)],
         timing=_timing(text, frames, kept) if len(kept) else NoTimes("has no frames"),
         lost=lost,
-        carried=tuple(
-            shown(str(n), LONGEST_NAME) for k, n in enumerate(frames.names) if k not in used
+        carried=(
+            *(shown(str(n), LONGEST_NAME) for k, n in enumerate(frames.names) if k not in used),
+            *(() if sure_places is None else (CONFIDENCE,)),
         ),
         notes=frames.notes,
+        confidence=None if sure_places is None else confidence_of(text.look_up(sure_places)),
     )
-    source = partial(JsonSource, text, places)
+    source = partial(JsonSource, text, places, sure_places=sure_places)
     return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
 
 
@@ -124,6 +129,14 @@ def _places(text: JsonText, frames: JsonFrames, columns: list[int]) -> NDArray[n
             raise text.error(f"{problem} names", place=first)
         places[row] = text.places(weights)[columns]
     return places
+
+
+def _sure_places(text: JsonText, frames: JsonFrames, kept: Indices) -> Places | None:
+    """(T,) the places of the frames' confidence, if each has one."""
+    if len(frames.sure) != len(frames.weights):
+        return None
+    entries = [frames.sure[row] for row in kept.tolist()]
+    return text.places(entries) if all(isinstance(one, Place) for one in entries) else None
 
 
 def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTimes:

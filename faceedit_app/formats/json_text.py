@@ -10,7 +10,7 @@ import json
 import re
 from array import array
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
+from faceedit_app.formats.lost_faces import LEAST_SURE
 from faceedit_app.formats.numbers import detect_format
 
 # Strings are matched too, so that numbers inside them do not count.
@@ -191,21 +192,43 @@ class JsonSource:
         text: the file.
         places: (T, K) the numbers of the weights; -1 if a weight is missing.
         scale: the value of a full blendshape in the file.
+        sure_places: (T,) the numbers of the tracker's confidence; None if there are none.
+        sure: (T,) what is to be written there; NaN = what is there.
     """
 
     text: JsonText
     places: Places
     scale: float = 1.0
+    sure_places: Places | None = None
+    sure: Floats | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
         changed = (tracked != edited) & (self.places >= 0)
-        if not changed.any():
+        where, numbers = self._sure_numbers()
+        if changed.any():
+            values = edited[changed].astype(np.float64) * self.scale
+            write = detect_format(self._sample(), self.scale).write
+            where = np.concatenate([where, self.places[changed]])
+            numbers = [*numbers, *(write(value) for value in values.tolist())]
+        if not numbers:
             return self.text.content
-        where, values = self.places[changed], edited[changed].astype(np.float64) * self.scale
         order = np.argsort(where)
-        write = detect_format(self._sample(), self.scale).write
-        return self.text.replaced(where[order], [write(v) for v in values[order].tolist()])
+        return self.text.replaced(where[order], [numbers[k] for k in order.tolist()])
+
+    def as_sure(self, tracked: Floats, edited: Floats) -> JsonSource:
+        """The source with other confidence; see `take.SureSource.as_sure`."""
+        # 0 would mean a frame without a face.
+        new = np.where(edited == tracked, np.nan, np.maximum(edited, LEAST_SURE))
+        return replace(self, sure=new.astype(np.float32))
+
+    def _sure_numbers(self) -> tuple[Places, list[bytes]]:
+        """The places where the confidence changes, and the numbers that it becomes."""
+        if self.sure is None or self.sure_places is None:
+            return np.zeros(0, np.int64), []
+        changed = np.isfinite(self.sure)
+        numbers = [f"{value:.3f}".encode() for value in self.sure[changed].tolist()]
+        return self.sure_places[changed], numbers
 
     def _sample(self) -> list[bytes]:
         places = self.places[self.places >= 0]

@@ -18,10 +18,13 @@ MISSING = frozenset(
         *("nil", "undefined", "-", "--", "?", "\\n", "missing", "nodata"),
     )
 )
+CONFIDENCE = "confidence"
+LEAST_SURE = 1e-3
+"""The least confidence that is written; 0 would mean that the face was lost."""
 _COUNTS = ("blendshapecount", "numproperties")
 # Names of flags, letters only, in lower case: 0 or false if the face was not tracked.
 _TRACKED = (
-    *("confidence", "success", "tracked", "istracked", "facetracked", "tracking", "istracking"),
+    *(CONFIDENCE, "success", "tracked", "istracked", "facetracked", "tracking", "istracking"),
     *("detected", "facedetected", "facefound", "hasface", "facevisible", "valid", "isvalid"),
     *("numfaces", "facecount", "faces", "nfaces"),
 )
@@ -53,6 +56,12 @@ def flag_column(names: Sequence[str]) -> int | None:
     bare = [letters(name) for name in names]
     flags = (*_COUNTS, *_TRACKED, *_LOST, *_STATES)
     return next((bare.index(name) for name in flags if name in bare), None)
+
+
+def confidence_of(numbers: Doubles) -> Floats | None:
+    """(T,) how sure a tracker was; None if the numbers are no confidences, from 0 to 1."""
+    fits = ((numbers >= 0.0) & (numbers <= 1.0)).all()
+    return numbers.astype(np.float32) if fits else None
 
 
 def is_count(name: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
-from faceedit_app.formats import csv_take, livelink
+from faceedit_app.formats import audio2face, csv_take, livelink
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import FillableSource
 
@@ -24,11 +25,28 @@ def a_clip(confidence: np.ndarray | None = SURE) -> Clip:
     return Clip(weights, ARKIT_CHANNELS, np.arange(COUNT) / 25.0, 25.0, confidence=confidence)
 
 
-@pytest.fixture(params=["livelink", "csv"])
+def named_frames(clip: Clip) -> bytes:
+    """JSON as scripts write it, with a frame without a face."""
+    columns = [clip.times, np.zeros(COUNT) if clip.confidence is None else clip.confidence]
+    rows: list[dict[str, object]] = [
+        {"time": time, "confidence": sure, **dict(zip(clip.channels, weights, strict=True))}
+        for time, sure, weights in zip(*(c.tolist() for c in (*columns, clip.weights)), strict=True)
+    ]
+    return json.dumps([*rows, {"time": COUNT / 25.0, "confidence": 0.0}]).encode()
+
+
+WRITERS = {
+    "livelink": livelink.write,
+    "csv": csv_take.write,
+    "audio2face": audio2face.write,
+    "named": named_frames,
+}
+
+
+@pytest.fixture(params=WRITERS)
 def take(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    path = tmp_path / "take.csv"
-    write = livelink.write if request.param == "livelink" else csv_take.write
-    path.write_bytes(write(a_clip()))
+    path = tmp_path / ("take.csv" if request.param in ("livelink", "csv") else "take.json")
+    path.write_bytes(WRITERS[request.param](a_clip()))
     return path
 
 
@@ -40,12 +58,12 @@ def test_a_take_says_how_sure_it_is_of_each_frame(take: Path) -> None:
     assert len(opened.clip.channels) == len(ARKIT_CHANNELS)
 
 
-@pytest.mark.parametrize("form", ["livelink", "csv"])
+@pytest.mark.parametrize("form", ["livelink", "csv", "audio2face"])
 @pytest.mark.parametrize("rate", [25, 60, 12])
 def test_it_survives_other_formats_and_frame_rates(
     take: Path, tmp_path: Path, form: str, rate: int, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    out = tmp_path / "out.csv"
+    out = tmp_path / "out"
     assert main(["convert", str(take), str(out), "--format", form, "--fps", str(rate)]) == 0
     assert "onfidence" not in capfd.readouterr().out  # it is not left out
     clip = open_take(out).clip
@@ -55,16 +73,35 @@ def test_it_survives_other_formats_and_frame_rates(
     np.testing.assert_allclose(clip.confidence[1:-1], expected[1:-1], atol=0.01)
 
 
-def test_every_row_of_a_live_link_face_csv_has_a_number_in_every_column(take: Path) -> None:
+def test_every_row_of_a_csv_has_a_number_in_every_column() -> None:
     """Unreal's importer stops at the first row that has not."""
-    rows = [line.split(",") for line in take.read_text().splitlines()]
-    assert {len(row) for row in rows} == {len(rows[0])}
-    assert all(all(row) for row in rows)
+    for write in (livelink.write, csv_take.write):
+        rows = [line.split(",") for line in write(a_clip()).decode().splitlines()]
+        assert {len(row) for row in rows} == {len(rows[0])}
+        assert all(all(row) for row in rows)
 
 
 def test_a_take_without_it_has_no_such_column() -> None:
-    for write in (livelink.write, csv_take.write):
+    for write in (livelink.write, csv_take.write, audio2face.write):
         assert b"onfidence" not in write(a_clip(None))
+
+
+def test_what_a_format_without_times_fills_in_is_not_called_certain(tmp_path: Path) -> None:
+    whole, kept = a_clip(np.ones(COUNT, np.float32)), np.delete(np.arange(COUNT), range(20, 26))
+    clip = Clip(
+        whole.weights[kept],
+        ARKIT_CHANNELS,
+        whole.times[kept],
+        25.0,
+        confidence=np.ones(len(kept), np.float32),
+    )
+    path, out = tmp_path / "take.csv", tmp_path / "out.json"
+    path.write_bytes(csv_take.write(clip))
+    assert main(["convert", str(path), str(out), "--format", "audio2face"]) == 0
+    sure = open_take(out).clip.confidence
+    assert sure is not None
+    assert np.flatnonzero(sure < 0.9).tolist() == list(range(20, 26))
+    assert sure[20:26].max() == 0.0
 
 
 @pytest.mark.parametrize(
