@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from faceedit_app.characters.closure import CLOSE_ENOUGH, LID_SLACK
 from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.matches import Match
 from faceedit_app.characters.names import is_without_channel
@@ -23,7 +24,8 @@ _PLAUSIBLE = {
     ("chin", "lower_lip"): (5.0, 45.0, "chin and lower lip"),
 }
 _OPENS, _SHUT, _WIDENS = 5.0, 2.5, 0.5  # mm
-_PARTED = 3.0  # mm between lips that shapes do not bring together
+_PARTED = 2.0  # mm between lips at rest that are visibly apart
+_STRONGEST = 2.0  # a blink is not made stronger than this
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,10 @@ def doubts(face: Face, points: Points) -> list[str]:
     if all(name in points for name in lips):
         rest = apart(*lips)
         if rest > _PARTED:
-            found.append(f"the inner lips rest {rest:.1f} mm apart, which weights can hardly close")
+            found.append(
+                f"the inner lips rest {rest:.1f} mm apart, which counts as shut: if they should "
+                "meet, bring them together in the neutral shape of the file"
+            )
         opened = apart(*lips, "jawOpen")
         if "jawOpen" in face.moves and opened - rest < _OPENS:
             found.append(f"jawOpen parts the lips by only {opened - rest:.1f} mm")
@@ -107,11 +112,8 @@ def doubts(face: Face, points: Points) -> list[str]:
         if {"jawOpen", "mouthClose"} <= set(face.moves) and shut - rest > _SHUT:
             found.append(f"mouthClose leaves the lips {shut:.1f} mm apart when the jaw is open")
     for side in ("left", "right"):
-        lids = f"{side}_upper_lid", f"{side}_lower_lid"
-        if all(name in points for name in lids):
-            left = apart(*lids, f"eyeBlink{side.capitalize()}")
-            if left > _SHUT:
-                found.append(f"the {side} eye does not close: eyeBlink leaves {left:.1f} mm")
+        if all(name in points for name in (f"{side}_upper_lid", f"{side}_lower_lid")):
+            found += _lid_doubts(face, points, side)
     corners = "left_mouth_corner", "right_mouth_corner"
     smiles = "mouthSmileLeft", "mouthSmileRight"
     if all(name in points for name in corners) and set(smiles) <= set(face.moves):
@@ -122,3 +124,26 @@ def doubts(face: Face, points: Points) -> list[str]:
         if not middle[0] > 0 > middle[1] or abs(sum(middle)) > 10:
             found.append("the mouth corners are not on both sides of the midline")
     return found
+
+
+def _lid_doubts(face: Face, points: Points, side: str) -> list[str]:
+    """What is left open when one eye blinks, and what would close it."""
+    blink, squint = (f"eye{name}{side.capitalize()}" for name in ("Blink", "Squint"))
+    upper, lower = points[f"{side}_upper_lid"], points[f"{side}_lower_lid"]
+
+    def gap(*channels: str) -> float:
+        """Mm; 0 once the upper lid has passed the lower one."""
+        moved = sum((face.move(channel) for channel in channels), face.places)
+        x, y, z = moved[upper] - moved[lower]
+        return float(np.sqrt(x * x + y * y + z * z)) if y > 0 else 0.0
+
+    rest, left = gap(), gap(blink)
+    if min(left, gap(blink, squint)) <= CLOSE_ENOUGH + LID_SLACK * rest:
+        return []
+    sentence = f"{blink} leaves the {side} eye {left:.1f} mm open"
+    if squint not in face.moves:
+        sentence += f", and there is no {squint}"
+    if left < rest and rest / (rest - left) <= _STRONGEST:
+        times = np.ceil(20 * rest / (rest - left)) / 20
+        sentence += f"; a multiplier of {times:.2f} closes it"
+    return [sentence]

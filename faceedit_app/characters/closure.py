@@ -23,10 +23,9 @@ ARE_LIPS = np.array([c.closes is Closes.LIPS for c in CONTROLS if c.closes is no
 # mm up to which something is closed, and beyond which it is visibly open.
 SHUT = np.where(ARE_LIPS, 2.0, 1.5)
 CLOSE_ENOUGH = 0.5  # mm
-_PARTED_AT_REST = 1.5  # mm; a mouth that rests more open than this can be closed farther
 # A shape that closes an eye need not bring two vertices together: lids that it leaves apart by this
 # share of the open eye are as closed as their artist made them.
-_LID_SLACK = 0.05
+LID_SLACK = 0.05
 _FLAT = 0.05  # mm; the least difference in height that shows which of two vertices is above
 _BLINK = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
 _BLINK[0, [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]] = 1.0
@@ -40,7 +39,8 @@ class Gaps:
         distances: the controls of `CLOSING`, as a function of weights as the character shows
             them, in ARKit's order.
         levels: how strongly the character answers each channel.
-        touching: (3,) mm between their vertices when they touch, which are side by side.
+        touching: (3,) mm between their vertices when they touch, which are side by side. Lips touch
+            at rest: on a head that rests with parted lips, only grimaces bring them nearer.
         has: (3,) whether the character has each of them.
     """
 
@@ -63,8 +63,8 @@ class Gaps:
         shut = distances.measure(rig.levels.applied(_BLINK))[0].astype(np.float64)
         touching = np.where(
             ARE_LIPS,
-            np.minimum(rest, _PARTED_AT_REST),
-            np.where(shut > CLOSE_ENOUGH, np.minimum(shut, _LID_SLACK * rest), 0.0),
+            rest,
+            np.where(shut > CLOSE_ENOUGH, np.minimum(shut, LID_SLACK * rest), 0.0),
         )
         return cls(distances, touching, rig.has_control[rows], rig.levels)
 

@@ -18,6 +18,7 @@ from faceedit_app.characters.gaze import Eye
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
 from faceedit_app.characters.matches import Match, Share
 from faceedit_app.characters.names import match_channels
+from faceedit_app.characters.one_head import with_one_head
 from faceedit_app.characters.percent import REMARK, in_percent
 from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.points import PAIRS, POINTS, find_points
@@ -130,12 +131,14 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     """
     mapping = mapping or CharacterMap()
     _need_shapes(character)
-    match = mapping.applied(match_channels(character.targets, character.meshes))
-    _need_match(character, match)
+    match = _matched(character, mapping)
+    character, others = with_one_head(character, match)
+    if others:
+        match = _matched(character, mapping)
     character = character.shaped(match.played)
     assembler = Assembler(character, match.shares, match.alike)
     frame = find_frame(character, match.shares, assembler.target)
-    remarks = list(character.remarks)
+    remarks = [*character.remarks, *filter(None, (others,))]
     full = in_percent(character, match, assembler.target, frame.scale)
     if full is not None:
         match, assembler = full, Assembler(character, full.shares, full.alike)
@@ -183,6 +186,12 @@ def _need_shapes(character: Character) -> None:
             "export it with its morph targets (shape keys), or make some: File > Character > Make "
             "from a scan, or faceedit character make",
         )
+
+
+def _matched(character: Character, mapping: CharacterMap) -> Match:
+    match = mapping.applied(match_channels(character.targets, character.meshes))
+    _need_match(character, match)
+    return match
 
 
 def _need_match(character: Character, match: Match) -> None:

@@ -27,7 +27,8 @@ from faceedit_app.core.names import canonical_channel
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_A-Za-z]+|\d+")
 _NUMBERED = re.compile(r"^[A-Za-z]?\d{1,3}[ _-]+(?=[A-Za-z])")  # A14_Eye_Blink_Left
 _DAZ = re.compile(r"(?<![A-Za-z])(?:[ep]CTRL|PHM)(?=[A-Z])")  # eCTRLMouthOpen
-_VERSION = re.compile(r"v\d+", re.IGNORECASE)  # head.eyeBlinkLeft.v2
+# What follows the last dot of some names: head.eyeBlinkLeft.v2, eyeBlinkLeft.shape.
+_IS_NO_NAME = re.compile(r"v\d+|(blend)?shapes?|(shape)?keys?|targets?|morphs?", re.IGNORECASE)
 _COPY = re.compile(r"\.\d{3}$")  # Blender's second jawOpen is jawOpen.001
 _SIDES = dict.fromkeys(("l", "lt", "lf", "lft", "left"), "left") | dict.fromkeys(
     ("r", "rt", "rg", "rgt", "right"), "right"
@@ -61,7 +62,7 @@ def words_of(name: str) -> list[str]:
     if unit and int(unit["number"]) in ACTION_UNITS:
         return [*ACTION_UNITS[int(unit["number"])], *filter(None, [(unit["side"] or "").lower()])]
     pieces = [piece for piece in text.split(".") if piece.strip()]
-    while len(pieces) > 1 and _VERSION.fullmatch(pieces[-1].strip()):
+    while len(pieces) > 1 and _IS_NO_NAME.fullmatch(pieces[-1].strip()):
         pieces.pop()
     if len(pieces) > 1 and pieces[-1].strip().lower() in _SIDES:  # Blender's eyeBlink.L
         text = " ".join(pieces[-2:])

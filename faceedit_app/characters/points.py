@@ -32,6 +32,9 @@ _OPENERS = ("jawOpen", "mouthFunnel", "mouthUpperUpLeft")
 _PARTED = 3.0  # mm
 _MIDLINE, _WIDEST = 1.5, 9.0  # mm to either side of the midline where lips are looked for
 _TOUCHING = 2.5  # mm; inner lips that rest farther apart are looked for beside the midline, too
+_LEVEL = (9.0, 20.0)  # mm above or below the eyes; the second for coarse meshes
+_PROFILE, _NO_CHIN = 3, 15.0  # vertices of a profile; mm beside the midline that are no chin
+_BLINKS = 1.5  # mm that a blink moves the upper lid at least
 _ACROSS = (1.5, 4.0)  # mm beyond the middle where the rim of the mouth may run
 
 
@@ -147,6 +150,11 @@ def _lids(face: Face, side: str) -> Points:
     drop = np.where(face.skin, -blink[:, 1], -np.inf)
     if drop.max() < 0.5:
         raise NotFound(f"no shape closes the {side} eye (eyeBlink{side.capitalize()})")
+    if drop.max() < _BLINKS:
+        raise NotFound(
+            f"eyeBlink{side.capitalize()} moves the lid by only {drop.max():.1f} mm: open the "
+            f"{side} eye in the neutral shape of the file if it is closed there"
+        )
     lid = places[drop > 0.5 * drop.max(), 0]
     middle = (lid.min() + lid.max()) / 2
     shut = places + blink
@@ -180,14 +188,12 @@ def _bridge(face: Face) -> int:
     """The nose bridge: on the midline at the height of the eyes, in front."""
     middle = _midline(face)
     x, y, z = face.places[middle].T
-    level = np.abs(y) < 9
-    if not level.any():
-        raise NotFound("the nose bridge cannot be found between the eyes")
-    return int(
-        middle[
-            np.where(level, z - 0.25 * np.abs(y) - 0.5 * np.abs(x - face.middle), -np.inf).argmax()
-        ]
-    )
+    for within in _LEVEL:
+        level = np.abs(y) < within
+        if level.any():
+            forward = z - 0.25 * np.abs(y) - 0.5 * np.abs(x - face.middle)
+            return int(middle[np.where(level, forward, -np.inf).argmax()])
+    raise NotFound("the nose bridge cannot be found between the eyes")
 
 
 def _chin(face: Face, lower_lip: int) -> int:
@@ -195,8 +201,8 @@ def _chin(face: Face, lower_lip: int) -> int:
     places, middle = face.places, _midline(face)
     lip = places[lower_lip, 1]
     below = middle[(places[middle, 1] < lip - 1) & (places[middle, 1] > lip - 48)]
-    if len(below) < 3:
-        raise NotFound("the chin cannot be found below the lower lip")
+    if len(below) < _PROFILE:
+        return _lone_chin(face, lip)
     heights = np.arange(lip - 4, lip - 44, -1.0)
     profile = _profile(places[below], heights)
     fold = next(
@@ -207,6 +213,16 @@ def _chin(face: Face, lower_lip: int) -> int:
     apart = np.abs(places[below, 1] - heights[top]) + 0.7 * np.abs(places[below, 0] - face.middle)
     nearest = below[np.argsort(apart)[:6]]
     return int(nearest[places[nearest, 2].argmax()])
+
+
+def _lone_chin(face: Face, lip: float) -> int:
+    """The chin of a mesh too coarse for a profile: the most forward vertex below the lip."""
+    x, y, z = face.places.T
+    aside = np.abs(x - face.middle)
+    near = face.skin & (y < lip - 8) & (y > lip - 48) & (aside < _NO_CHIN)
+    if not near.any():
+        raise NotFound("the chin cannot be found below the lower lip")
+    return int(np.where(near, z - aside, -np.inf).argmax())
 
 
 def _profile(places: Doubles, heights: Doubles) -> Doubles:

@@ -57,6 +57,7 @@ SCHEMES: dict[str, Callable[[str], str]] = {
     "control names": lambda n: f"CTRL_expressions_{n}",
     "facs_bs_": lambda n: f"facs_bs_{n[0].upper() + n[1:]}",
     "_shape after": lambda n: f"{n}_shape",
+    ".shape after": lambda n: f"{n}.shape",
     "a copy in Blender": lambda n: f"{n}.001",
     "Unity's": lambda n: f"blendShape2.{n[0].upper() + n[1:]}",
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import fast_simplification
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -18,17 +19,21 @@ from support.character_files import (
     write_glb,
     write_objs,
 )
+from support.faces import shipped_rig
 from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record, write_fbx
 from support.heads import JAW, MOUTH, small_head
 
+from faceedit_app.characters.closure import Gaps
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.map_file import map_path, write_map
+from faceedit_app.characters.points import MAIN_POINTS
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scene import shape_weights
 from faceedit_app.characters.scenes import SCENES, scene_content
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.editing.solving.closing import Closing
 
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
 
@@ -315,3 +320,88 @@ def test_an_fbx_keeps_such_shapes_too(tmp_path: Path) -> None:
     (plain,) = read_character(write_fbx(tmp_path / "plain.fbx")).parts
     moved = part.neutral - plain.neutral
     np.testing.assert_allclose(moved, 0.5 * plain.targets["jawForward"], atol=1e-4)
+
+
+def test_of_two_different_heads_one_is_opened(tmp_path: Path) -> None:
+    """Each with an eye of its own, which has no shapes."""
+    out, fewer = small_glb(), list(ARKIT_CHANNELS[:48])
+    reach = 0.1  # m, about as long as the head
+    eye = {"attributes": {"POSITION": out.accessor(0.1 * reach * np.eye(3), FLOAT)}}
+    (primitive,) = out.json["meshes"][0]["primitives"]
+    second = primitive | {"targets": primitive["targets"][:48]}
+    there = {"translation": [5 * reach, reach, 0.0], "scale": [1.2] * 3}
+    out.mesh([second], [f"Bob.{name}" for name in fewer], name="Bob", **there)
+    out.mesh([eye], [], name="Eye")
+    out.mesh([eye], [], name="Bob's eye", translation=[5 * reach, reach, 0.0])
+    fitted = saved(out, tmp_path)
+    assert tuple(fitted.checklist.matched) == ARKIT_CHANNELS
+    assert fitted.checklist.unknown == fitted.checklist.doubts == ()
+    assert [part.name for part in fitted.character.parts] == ["Head", "Eye"]
+    assert "another head was left out: Bob" in fitted.checklist.remarks[0]
+
+
+def changed(out: Glb, rest: dict[str, float], factors: dict[str, float]) -> Glb:
+    """A head whose file is written with shapes at `rest`, and others scaled by `factors`."""
+    head = small_head()
+    places = head.vertices + sum(weight * head.targets[name] for name, weight in rest.items())
+    (primitive,) = out.json["meshes"][0]["primitives"]
+    primitive["attributes"]["POSITION"] = out.accessor(places / 1000, FLOAT)
+    names = out.json["meshes"][0]["extras"]["targetNames"]
+    for channel, factor in factors.items():
+        moves = out.accessor(factor * head.targets[channel] / 1000, FLOAT)
+        primitive["targets"][names.index(channel)] = {"POSITION": moves}
+    return out
+
+
+def test_lips_that_rest_apart_count_as_shut_there(tmp_path: Path) -> None:
+    """Weights bring them nearer only by grimaces."""
+    fitted = saved(changed(small_glb(), {"jawOpen": 0.12}, {}), tmp_path)
+    (doubt,) = fitted.checklist.doubts
+    assert doubt.startswith("the inner lips rest 3.")
+    still = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
+    assert Gaps.of(fitted.rig).measure(still)[0, 0] == pytest.approx(0.0, abs=1e-3)
+    assert np.array_equal(Closing(shipped_rig(), fitted.rig)(still), still)
+
+
+BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
+
+
+def test_a_blink_that_is_too_weak_says_what_closes_the_eye(tmp_path: Path) -> None:
+    without = small_glb(lambda name: None if "Squint" in name else name)
+    fitted = saved(changed(without, {}, dict.fromkeys(BLINKS, 0.45)), tmp_path)
+    first, second = fitted.checklist.doubts
+    assert first.startswith("eyeBlinkLeft leaves the left eye ")
+    assert "there is no eyeSquintLeft; a multiplier of 1." in first
+    times = float(first.split("multiplier of ")[1].split()[0])
+    assert f"multiplier of {times:.2f}" in second
+    for channel in BLINKS:
+        fitted = fitted.with_level(channel, (times, 0.0, 1.0))
+    shut = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
+    shut[0, [ARKIT_CHANNELS.index(channel) for channel in BLINKS]] = 1.0
+    assert Gaps.of(fitted.rig).measure(shut)[0, 1:].max() < 0.5
+
+
+def test_eyes_that_are_shut_in_the_file_are_said(tmp_path: Path) -> None:
+    fitted = saved(
+        changed(small_glb(), dict.fromkeys(BLINKS, 0.9), dict.fromkeys(BLINKS, 0.1)), tmp_path
+    )
+    assert "left_upper_lid" not in fitted.points
+    assert fitted.checklist.doubts[0].startswith("eyeBlinkLeft moves the lid by only 0.9 mm")
+
+
+@pytest.mark.parametrize("triangles", [1000, 300])
+def test_coarse_heads_have_all_main_points(tmp_path: Path, triangles: int) -> None:
+    (part,) = read_character(write_glb(tmp_path / "head.glb")).parts
+    places, faces, collapses = fast_simplification.simplify(
+        part.neutral, part.faces, target_count=triangles, return_collapses=True
+    )
+    _, faces, kept = fast_simplification.replay_simplification(part.neutral, part.faces, collapses)
+    first = np.unique(kept, return_index=True)[1]
+    out = small_glb()
+    (primitive,) = out.json["meshes"][0]["primitives"]
+    primitive["attributes"] = {"POSITION": out.accessor(places, FLOAT)}
+    primitive["indices"] = out.accessor(faces.ravel(), UNSIGNED)
+    primitive["targets"] = [
+        {"POSITION": out.accessor(moves[first], FLOAT)} for moves in part.targets.values()
+    ]
+    assert set(MAIN_POINTS) <= set(saved(out, tmp_path).points)
