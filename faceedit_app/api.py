@@ -328,7 +328,7 @@ class Take:
             FaceEditError: it cannot be written.
         """
         path = Path(path)
-        form = exporting.choose(path, format, self.session.take if fps is None else None)
+        form = exporting.choose(path, format, self.session.take, fps)
         options = exporting.Options(fps, self._character, compact, overwrite, follow_head)
         return exporting.export_session(self.session, path, form, options)
 

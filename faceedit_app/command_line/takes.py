@@ -165,11 +165,7 @@ def convert(
     if form is not None or output.suffix.lower() != take.suffix.lower():
         exporting.choose(output, form)  # before a long take is read
     opened = _opened(take, take_fps, fps)
-    own = exporting.own_format(opened)
-    # A layout without times cannot say what rate it is written at.
-    tells = own is not None and own.takes_any_rate and opened.fps is None
-    keeps_layout = character is None and (fps is None or tells)
-    chosen = exporting.choose(output, form, opened if keeps_layout else None)
+    chosen = exporting.choose(output, form, opened, fps, character is not None)
     options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
     clip = written.clip

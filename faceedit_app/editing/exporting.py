@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError, FileError
@@ -16,7 +17,7 @@ from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
-from faceedit_app.formats.converting import convert, resampled
+from faceedit_app.formats.converting import converted, resampled, with_filled
 from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.take import Source, Take
@@ -32,9 +33,11 @@ class OutFormat:
 
     Attributes:
         kind: of a take, or of a character that plays it.
+        is_own: whether a take keeps its own layout; if not, it is written for other programs.
     """
 
     kind: registry.Format | SceneFormat
+    is_own: bool = False
 
     @property
     def key(self) -> str:
@@ -83,6 +86,7 @@ class Options:
         overwrite: allow a recording to be replaced; a copy of it is kept.
         follows_head: turn the head of a character as it was recorded.
         like: a source in whose style a take is written, if it can be; None = the take's own.
+        filled: the weights that fills gave to the take's lost rows, (L, K).
     """
 
     rate: float | None = None
@@ -91,6 +95,7 @@ class Options:
     overwrite: bool = False
     follows_head: bool = False
     like: Source | None = None
+    filled: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -117,13 +122,21 @@ def out_formats() -> tuple[OutFormat, ...]:
     return (*(OutFormat(form) for form in registry.writable()), *map(OutFormat, SCENES))
 
 
-def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutFormat:
+def choose(
+    path: Path,
+    key: str | None = None,
+    take: Take | None = None,
+    rate: float | None = None,
+    has_character: bool = False,
+) -> OutFormat:
     """Choose the format of a file to be exported.
 
     Args:
         path: the file; its ending decides if `key` is None.
         key: `OutFormat.key`.
-        take: if its file or its own format has this ending, its own format is chosen.
+        take: if its file or its own format has this ending, its own layout is chosen.
+        rate: frames per second to write, if not the take's own; not all layouts can have another.
+        has_character: whether the user gave a character; then one is written if it can be.
 
     Raises:
         FaceEditError: there is no such format, or the file ends like one of another format.
@@ -139,13 +152,20 @@ def choose(path: Path, key: str | None = None, take: Take | None = None) -> OutF
                 return form
         raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
     own = own_format(take) if take is not None else None
-    if own is not None and take is not None and ending == take.path.suffix.lower():
+    if own is not None and take is not None:
+        # A layout without times cannot say what rate it is written at.
+        keeps = rate is None or (own.takes_any_rate and take.fps is None)
+        own = own if keeps else None
+    scenes = tuple(form for form in formats if form.has_character)
+    if has_character and ending in _all_endings(*scenes):
+        own = None
+    elif own is not None and take is not None and ending == take.path.suffix.lower():
         return own
     for form in (*([own] if own is not None else []), *formats):
         if ending in _all_endings(form):
             return form
-    known = ", ".join(f"{form.ending} ({form.name})" for form in formats)
-    raise FaceEditError(f"{path}: no format with this ending can be written; use {known}")
+    known = ", ".join(dict.fromkeys(form.ending for form in formats))
+    raise FaceEditError(f"{path}: no format with this ending can be written; use one of {known}")
 
 
 def _all_endings(*formats: OutFormat) -> set[str]:
@@ -165,13 +185,14 @@ def by_ending(path: Path, take: Take) -> OutFormat | None:
 
 def own_format(take: Take) -> OutFormat | None:
     """The format that a take was opened from."""
-    return next((OutFormat(f) for f in registry.FORMATS if f.name == take.kind), None)
+    return next((OutFormat(f, True) for f in registry.FORMATS if f.name == take.kind), None)
 
 
 def export_session(
     session: EditSession, path: Path, form: OutFormat, options: Options | None = None
 ) -> Exported:
     """Export the edited take; see `export_take`."""
+    options = replace(options or Options(), filled=session.filled_rows())
     return export_take(session.take, session.edited_clip(), path, form, options)
 
 
@@ -208,15 +229,24 @@ def export_take(
                 f"choose another format, such as {registry.writable()[0].name}"
             )
         check(stopped)
-        backup = make_way(path, take.path, options.overwrite)
-        clip = convert(path, take, kind, options.rate, edited, options.like)
-        lost = () if same else take.carried
+        done = converted(
+            path,
+            take,
+            kind,
+            options.rate,
+            edited,
+            like=options.like,
+            own_layout=form.is_own,
+            filled=options.filled,
+        )
+        content, clip = done.content, done.clip
+        lost = () if done.is_own else take.carried
         if kind.keeps_rotations and clip.rotations is not None:
             lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
         if kind.keeps_confidence and clip.confidence is not None:
             lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
     else:
-        clip = resampled(edited, options.rate)
+        clip = resampled(with_filled(edited, take.lost_rows, options.filled), options.rate)
         content = scene_content(
             kind,
             clip,
@@ -225,11 +255,11 @@ def export_take(
             options.compact,
             options.follows_head,
         )
-        check(stopped)
-        backup = make_way(path, take.path, options.overwrite)
-        write_atomically(path, content)
         turns = options.follows_head and clip.rotations is not None
         lost = tuple(name for name in take.carried if not (turns and name.lower() in _HEAD))
+    check(stopped)
+    backup = make_way(path, take.path, options.overwrite)
+    write_atomically(path, content)
     remarks = (f"left out because they are not channels: {', '.join(lost)}",) if lost else ()
     return Exported(path, form, clip, remarks, backup)
 

@@ -159,6 +159,11 @@ class EditSession(EditHistory):
         """(T,) values of the frames, such as confidence, at the moments that retimes show."""
         return self._solver.moved(self.edits, values)
 
+    def filled_rows(self) -> Floats | None:
+        """(L, K) the weights that fills give to the take's `lost_rows`, NaN where none does."""
+        lost = self.take.lost_rows
+        return None if lost is None else self._solver.found(lost, self.edits, self.weights)
+
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
 
@@ -173,10 +178,9 @@ class EditSession(EditHistory):
         Raises:
             FileError: it cannot be written, or is such a take; an existing file is then untouched.
         """
-        weights, lost = self.clip_weights(), self.take.lost_rows
-        found = self._solver.found(lost, self.edits, self.weights) if lost is not None else None
+        weights, filled = self.clip_weights(), self.filled_rows()
         sure = self.edited_clip().confidence
-        content = encoded_take(path, self.take, weights, found, self.rotations, sure)
+        content = encoded_take(path, self.take, weights, filled, self.rotations, sure)
         backup = make_way(Path(path), self.take.path, overwrite)
         if is_same_file(Path(path), self.take.path):
             self.exported_over = fingerprint_of_content(content)

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.core.arrays import Bools, Times
+from faceedit_app.core.arrays import Bools, Floats, Times
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resample import at_rate
-from faceedit_app.formats.opening import write_take
+from faceedit_app.formats.opening import encoded_take
 from faceedit_app.formats.registry import Format
-from faceedit_app.formats.take import Source, Take
+from faceedit_app.formats.take import LostRows, Source, Take
 from faceedit_app.formats.timecode import start_of_day, write_timecode
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
 from faceedit_app.formats.timing import find_gaps
+
+
+@dataclass(frozen=True)
+class Converted:
+    """A take in another format, as a file holds it.
+
+    Attributes:
+        content: of the file.
+        clip: what is in it.
+        is_own: whether it is the take's own file with other weights.
+    """
+
+    content: bytes
+    clip: Clip
+    is_own: bool = False
 
 
 def convert(
@@ -24,32 +40,95 @@ def convert(
     form: Format,
     rate: float | None = None,
     edited: Clip | None = None,
-    like: Source | None = None,
 ) -> Clip:
-    """Write a take in a format, and return its clip as written.
-
-    In its own format and at its own rate, a take is written byte for byte, except for weights and
-    rotations that differ.
-
-    Args:
-        form: a format that can be written, or the take's own if `rate` is.
-        rate: frames per second; None = the take's own.
-        edited: the take's clip with other weights and rotations; None = as it is.
-        like: a source in whose style the file is written; None = the take's own, in its format.
+    """Write a take in a format, and return its clip as written; see `converted`.
 
     Raises:
         FileError: the file cannot be written.
     """
+    found = converted(path, take, form, rate, edited)
+    write_atomically(path, found.content)
+    return found.clip
+
+
+def converted(
+    path: Path,
+    take: Take,
+    form: Format,
+    rate: float | None = None,
+    edited: Clip | None = None,
+    *,
+    like: Source | None = None,
+    own_layout: bool = True,
+    filled: Floats | None = None,
+) -> Converted:
+    """A take in a format.
+
+    In its own layout and at its own rate, all of it stays to the byte but weights and rotations
+    that differ.
+
+    Args:
+        path: for messages.
+        form: a format that can be written, or the take's own if `rate` is.
+        rate: frames per second; None = the take's own.
+        edited: the take's clip with other weights and rotations; None = as it is.
+        like: a source in whose style the file is written; None = the take's own, in its format.
+        own_layout: whether a take of this format keeps its dialect; if not, it does so only if
+            other programs read it as they read what the format writes.
+        filled: the weights of its lost rows, as for `opening.encoded_take`.
+
+    Raises:
+        FileError: a weight is not a finite number.
+    """
     clip = take.clip if edited is None else edited
-    if form.name == take.kind and (rate is None or rate == clip.rate):
-        write_take(path, take, clip.weights, clip.rotations, clip.confidence)
-        return clip
+    whole = with_filled(clip, take.lost_rows, filled)
+    is_own = form.name == take.kind
+    if is_own and (rate is None or rate == clip.rate):
+        own = encoded_take(path, take, clip.weights, filled, clip.rotations, clip.confidence)
+        if own_layout or form.write is None or form.is_plain(own, whole):
+            return Converted(own, whole, is_own=True)
     assert form.write is not None
-    clip = resampled(clip, rate, fill_gaps=not form.tells_times)
-    own = take.source if form.name == take.kind else like
-    styled = None if own is None else form.write_like(own, clip)
-    write_atomically(path, form.write(clip) if styled is None else styled)
-    return clip
+    clip = resampled(whole, rate, fill_gaps=not form.tells_times)
+    style = take.source if is_own and own_layout else like
+    styled = None if style is None else form.write_like(style, clip)
+    return Converted(form.write(clip) if styled is None else styled, clip)
+
+
+def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Clip:
+    """A clip with frames for the lost rows that were filled.
+
+    Args:
+        lost: where the rows lie.
+        filled: (L, K) their weights; a row of NaN is no frame.
+    """
+    if lost is None or filled is None:
+        return clip
+    there = np.isfinite(filled).all(axis=1)
+    if not there.any():
+        return clip
+    places = np.array(lost.positions)[there]
+    order = np.argsort(np.concatenate([np.arange(len(clip)), places]), kind="stable")
+    after = np.ceil(places).astype(int)
+    share = (places - (after - 1))[:, None]
+
+    def joined(values: Floats, new: Floats | None = None) -> Floats:
+        if new is None:
+            new = (1 - share) * values[after - 1] + share * values[after]
+        return np.concatenate([values, new.astype(np.float32)])[order]
+
+    times = np.interp(places, np.arange(len(clip)), clip.times)
+    times = np.concatenate([clip.times, times])[order]
+    sure = clip.confidence
+    return Clip(
+        weights=joined(clip.weights, filled[there]),
+        channels=clip.channels,
+        times=times,
+        rate=clip.rate,
+        gaps=find_gaps(times, clip.rate),
+        timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
+        rotations=None if clip.rotations is None else joined(clip.rotations),
+        confidence=None if sure is None else joined(sure, np.zeros(len(places), np.float32)),
+    )
 
 
 def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) -> Clip:

@@ -33,6 +33,7 @@ from faceedit_app.formats import (
 from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
 from faceedit_app.formats.foreign import recognise_foreign
+from faceedit_app.formats.other_readers import is_plain_csv, is_plain_livelink
 from faceedit_app.formats.take import Source, Take
 
 
@@ -52,6 +53,8 @@ class Format:
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
         write_like: as `write`, in the style of a source; gives None for one that has no style.
+        is_plain: whether other programs read a file of this format, given its content and clip, as
+            they read what `write` writes.
         tells_times: whether its frames have times, not only a rate.
         keeps_rotations: whether `write` keeps the rotations of head and eyes.
         keeps_confidence: whether it keeps how sure the tracker was.
@@ -68,6 +71,7 @@ class Format:
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
     write_like: Callable[[Source, Clip], bytes | None] = lambda source, clip: None
+    is_plain: Callable[[bytes, Clip], bool] = lambda content, clip: True
     tells_times: bool = True
     keeps_rotations: bool = False
     keeps_confidence: bool = False
@@ -78,7 +82,7 @@ class Format:
 FORMATS: tuple[Format, ...] = (
     Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
            "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
-           livelink.sniff, livelink.read, livelink.write,
+           livelink.sniff, livelink.read, livelink.write, is_plain=is_plain_livelink,
            keeps_rotations=True, keeps_confidence=True, hints=(
                ("Unreal", "switch on the plug-in Live Link Face Importer, and drag the file into "
                 "the Content Browser: it becomes a Level Sequence"),
@@ -88,7 +92,7 @@ FORMATS: tuple[Format, ...] = (
     Format("csv", "CSV with ARKit names", (".csv", ".tsv"), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
            csv_take.sniff, csv_take.read, csv_take.write, csv_style.write_like,
-           keeps_confidence=True, hints=(
+           is_plain=is_plain_csv, keeps_confidence=True, hints=(
                ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),
                ("Spreadsheets", "one row a frame: seconds, then a column for each channel"),
            )),

@@ -12,6 +12,7 @@ from support.takes import make_livelink_csv
 
 from faceedit_app.core.controls import CONTROL_IDS, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.exporting import choose, export_session
 from faceedit_app.editing.help.fill import filled_message
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
@@ -27,7 +28,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def exported(session: EditSession) -> Path:
-    out = session.take.path.with_name("out.csv")
+    out = session.take.path.with_name("own.csv")
     session.export(out)
     return out
 
@@ -43,6 +44,19 @@ def test_rows_without_a_face_get_one_and_the_motion_runs_through_them(path: Path
     usual = np.abs(np.diff(before.weights[:110], axis=0)).max()
     assert steps[found[0] - 12 : found[-1] + 12].max() <= 1.5 * usual
     assert after.weights[found].std(axis=0).max() > 0.01
+
+
+@pytest.mark.parametrize("key", [None, "livelink", "csv", "glb"])
+def test_rows_that_got_a_face_are_in_every_format(path: Path, key: str | None) -> None:
+    session = session_by_rig(path)
+    session.add(FILL)
+    out = path.with_name("out.glb" if key == "glb" else "out.csv")
+    export_session(session, out, choose(out, key, session.take))
+    there = open_take(exported(session)).clip
+    clip = open_take(out).clip
+    assert len(clip) == len(there)
+    np.testing.assert_allclose(clip.times, there.times, atol=1e-3)
+    np.testing.assert_allclose(clip.arkit_weights(), there.arkit_weights(), atol=1e-5)
 
 
 def test_every_other_row_keeps_its_bytes(path: Path) -> None:

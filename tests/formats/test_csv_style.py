@@ -41,7 +41,7 @@ def test_other_frames_are_written_in_the_style_of_the_take(
     take, out = tmp_path / "take.csv", tmp_path / "out.csv"
     take.write_bytes(content)
     if command == "convert":
-        arguments = ["convert", str(take), str(out), "--format", "csv", "--fps", "15"]
+        arguments = ["convert", str(take), str(out), "--fps", "15"]
     else:
         arguments = ["retime", str(take), "--cut", "0.5-1", "-o", str(out)]
     assert main(arguments) == 0
@@ -67,7 +67,7 @@ def test_times_that_were_no_seconds_become_seconds(tmp_path: Path) -> None:
     take, out = tmp_path / "take.csv", tmp_path / "out.csv"
     rows = "".join(f"{n},0.{n:02d}\n" for n in range(FRAMES))
     take.write_text("# fps: 30\nframe,Jaw_Open\n" + rows)
-    assert main(["convert", str(take), str(out), "--format", "csv", "--fps", "15"]) == 0
+    assert main(["convert", str(take), str(out), "--fps", "15"]) == 0
     assert out.read_text().splitlines()[0] == "time_s,Jaw_Open"
     assert open_take(out).clip.rate == 15
 

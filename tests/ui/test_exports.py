@@ -51,8 +51,11 @@ def choose_format(dialog: ExportDialog, key: str) -> None:
 def test_the_dialog_begins_with_the_layout_and_rate_of_the_take(dialog: ExportDialog) -> None:
     assert dialog.chosen.key == "livelink"
     assert dialog.options == Options()
-    assert "as the take came" in dialog.format.currentText()
-    assert dialog.format.count() == len(out_formats())
+    assert "As the take came" in dialog.format.currentText()
+    assert dialog.chosen.is_own
+    assert dialog.format.count() == len(out_formats()) + 1
+    choose_format(dialog, "csv")
+    assert not dialog.chosen.is_own
 
 
 def test_the_dialog_says_which_character_plays_the_take(dialog: ExportDialog) -> None:

@@ -85,7 +85,8 @@ class Exports:
         document.work_off()
         take, edited = session.take, session.edited_clip()
         page = self._workspace.page
-        options = replace(options, follows_head=page is not None and page.face.follows_head)
+        follows = page is not None and page.face.follows_head
+        options = replace(options, follows_head=follows, filled=session.filled_rows())
 
         def done(written: Exported) -> None:
             if document.session is session:

@@ -38,8 +38,7 @@ class ExportDialog(QDialog):
         self.setMinimumWidth(520)
         self._take = take
         own = own_format(take)
-        others = [form for form in out_formats() if form != own]
-        self._formats: list[OutFormat] = [*([own] if own is not None else []), *others]
+        self._formats: list[OutFormat] = [*([own] if own is not None else []), *out_formats()]
         column = QVBoxLayout(self)
         column.setSpacing(12)
         form = QFormLayout()
@@ -88,8 +87,8 @@ class ExportDialog(QDialog):
     def _format_box(self, own: OutFormat | None) -> Choice:
         self.format = Choice()
         for form in self._formats:
-            note = " (as the take came)" if form == own else ""
-            self.format.addItem(f"{form.name}{note}  *{form.ending}")
+            name = f"As the take came: {form.name}" if form == own else form.name
+            self.format.addItem(f"{name}  *{form.ending}")
         return self.format
 
     def _rate_box(self) -> Choice:
