@@ -137,6 +137,17 @@ def test_a_take_that_never_closes_its_lips_closes_them_as_others_do() -> None:
     assert session.achieved[held(session, 3.0, 3.2), MOUTH].min() == pytest.approx(1.15, abs=0.5)
 
 
+def test_a_mouth_that_opens_beyond_the_take_opens_as_others_do() -> None:
+    rest = np.median(demo().weights, axis=0)
+    session = session_on(with_weights(demo(), rest + 0.4 * (demo().weights - rest)))
+    session.add(offset("mouth_opening", value=25.0))
+    assert (session.achieved - session.tracked)[held(session, 2.0, 4.0), MOUTH].mean() > 24.0
+    # Where jaws of people are as open as that, 10 % of the weights are above .45.
+    assert moved(session, "mouthFunnel") < 0.4
+    corners = session.achieved[:, [CONTROL_INDEX[c] for c in MOUTH_CORNERS]]
+    assert np.ptp(corners, axis=0).min() > 3.0  # they go down with the jaw
+
+
 def test_a_smile_is_one_of_cheeks_dimples_and_eyes() -> None:
     session = session_on(demo())
     session.add(offset(*MOUTH_CORNERS, value=3.0))

@@ -3,7 +3,9 @@
 Opening a mouth draws its corners in and lowers the lip; a face whose width is held while its jaw
 drops is not one that anybody makes. So the networks are not asked for the tracked values of the
 other curves but for the most probable ones (the mean of a Gaussian, conditioned on the change of
-the curves that were asked for), under the covariance of the take's own curves.
+the curves that were asked for), under the covariance of the take's own curves. A request far beyond
+what the take does is divided: its first part moves the others as in the take, and the rest as in
+other performances, where mouths have opened so far.
 
 The other side of a face is held, and so is what can touch: a wink does not close the other eye, and
 a smile does not part closed lips.
@@ -19,8 +21,8 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 JITTER = 0.01
 # mm added to each curve's standard deviation: a curve that hardly moves says little.
 LEAST_SPREAD = 0.3
-# Standard deviations of a curve beyond which a change of it draws the others no farther: a jaw that
-# drops as far as it can does not narrow the mouth in proportion.
+# Standard deviations of a curve up to which a change of it draws the others as in the take: a jaw
+# that drops as far as it can does not narrow the mouth in proportion.
 FARTHEST = 2.0
 # Weight of other performances in the covariance, in frames at 25 fps.
 PRIOR_FRAMES = 50.0
@@ -53,7 +55,9 @@ class Expectation:
         self.mirror, self.held = mirror, held
         size = len(self._covariance)
         self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
+        self._others = 0.5 * (prior + prior[np.ix_(mirror, mirror)])
         self._gains: dict[bytes, Doubles] = {}
+        self._further: dict[bytes, Doubles] = {}
 
     def fill(self, change: Doubles, given: Bools) -> Doubles:
         """The change (N, C), mm, with that of the other curves filled in.
@@ -62,14 +66,13 @@ class Expectation:
             change: (N, C) mm, from the tracked curves to what is asked for.
             given: (N, C) the curves whose change is given, see `given`.
         """
-        within = np.minimum(np.maximum(change, -self._most), self._most)
         if (given == given[:1]).all():  # nearly always: one edit, in its own span
-            return self._filled(change, within, given[0])
+            return self._filled(change, given[0])
         filled = change.copy()
         numbers = given @ (1 << np.arange(given.shape[1]))
         for number in np.unique(numbers):
             rows = np.flatnonzero(numbers == number)
-            filled[rows] = self._filled(change[rows], within[rows], given[rows[0]])
+            filled[rows] = self._filled(change[rows], given[rows[0]])
         return filled
 
     def given(self, change: Doubles, asked: Bools) -> Bools:
@@ -83,12 +86,18 @@ class Expectation:
         given |= given[:, self.mirror] | (given.any(axis=1, keepdims=True) & self.held)
         return given
 
-    def _filled(self, change: Doubles, within: Doubles, known: Bools) -> Doubles:
+    def _filled(self, change: Doubles, known: Bools) -> Doubles:
         """The change with that of the curves that are not known filled in from the others."""
         if not known.any() or known.all():
             return change
-        filled = change.copy(order="K")
-        filled[:, ~known] = within[:, known] @ self.gain(known)
+        filled, given = change.copy(order="K"), change[:, known]
+        added = given @ self.gain(known)
+        within = (self._most[known] / np.maximum(np.abs(given), 1e-9)).min(axis=1)
+        beyond = np.flatnonzero(within < 1.0)
+        if len(beyond):
+            others = given[beyond] @ self._gain_of_others(known)
+            added[beyond] = others + within[beyond, None] * (added[beyond] - others)
+        filled[:, ~known] = added
         return filled
 
     def distance(self, change: Doubles) -> Doubles:
@@ -100,7 +109,19 @@ class Expectation:
         """(known, others) the mean change of the other curves for each mm of the known ones."""
         key = known.tobytes()
         if key not in self._gains:
-            variance = self._covariance[np.ix_(known, known)] + JITTER * np.eye(known.sum())
-            covariance = self._covariance[np.ix_(known, ~known)]
-            self._gains[key] = np.linalg.solve(variance, covariance)
+            self._gains[key] = _gain(self._covariance, known)
         return self._gains[key]
+
+    def _gain_of_others(self, known: Bools) -> Doubles:
+        """The same in other performances."""
+        key = known.tobytes()
+        if key not in self._further:
+            self._further[key] = _gain(self._others, known)
+        return self._further[key]
+
+
+def _gain(covariance: Doubles, known: Bools) -> Doubles:
+    """(known, others) the mean of the other curves for each mm of the known ones."""
+    variance = covariance[np.ix_(known, known)] + JITTER * np.eye(known.sum())
+    gain = np.linalg.solve(variance, covariance[np.ix_(known, ~known)])
+    return np.asarray(gain, np.float64)
