@@ -91,10 +91,12 @@ def test_what_is_shown_is_the_whole_take_computed(seed: int) -> None:
 
 def share_what_is_known(whole: Solver, part: Solver) -> None:
     """Let a part of a take be answered by what is known of the whole take."""
-    known = ("medians", "shut", "_parts", "_in_order", "_companions", "_across", "_combining")
+    known = ("medians", "shut", "_parts", "_companions", "_across")
     for name in (*known, "_limit_arrays", "_sideways"):
         setattr(part, name, getattr(whole, name))
-    part._networks._layers = whole._networks._layers
+    for name in ("_parts", "_in_order", "_combining"):
+        setattr(part._regions, name, getattr(whole._regions, name))
+    part._regions._networks._layers = whole._regions._networks._layers
 
 
 @pytest.mark.parametrize("seed", seeds(20))

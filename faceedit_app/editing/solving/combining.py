@@ -11,7 +11,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.filters import smoothed
-from faceedit_app.editing.solving.last_layer import LastLayer
+from faceedit_app.editing.solving.last_layer import Correction, LastLayer
 from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.take_statistics import WAKES
@@ -86,8 +86,7 @@ class Combining:
 
     def __init__(self, part: Part, shut: float, quick: float) -> None:
         self._part, self._shut, self._quick = part, shut, quick
-        self._known: tuple[LastLayer, Doubles, Doubles] | None = None
-        self._corrected: tuple[LastLayer, Doubles, Doubles, Doubles] | None = None
+        self._correction = Correction()
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None
         jaw = np.flatnonzero(np.isin(part.have_columns, [_JAW, _CLOSE]))
         self._others = [i for i in range(len(part.own)) if i != self._lips]
@@ -129,7 +128,7 @@ class Combining:
         rest = bounds = None
         if asked.settings.mode is Mode.PRESERVE:
             if asked.layer is not None:
-                added = self._correction(asked.layer, asked.before, asked.slow)
+                added = self._correction.change(asked.layer, asked.before, asked.slow)
             if part.reach is not None:
                 quick = asked.settings.reach * (part.quick.T @ asked.quick.T).T
                 added = quick if added is None else added + quick
@@ -208,23 +207,6 @@ class Combining:
             _couple(weights, slack, influence.max(axis=1) > 0)
         return room
 
-    def _correction(self, layer: LastLayer, curves: Doubles, slow: Doubles) -> Doubles:
-        """(N, K) how the last layer's correction changes with the curves (N, C), by `slow`.
-
-        A drag asks for the correction of the same tracked curves again, and for the same changes
-        of the regions that it does not move.
-        """
-        kept = self._corrected
-        if kept is None or not (
-            kept[0] is layer and np.array_equal(kept[1], curves) and np.array_equal(kept[2], slow)
-        ):
-            known = self._known
-            if known is None or known[0] is not layer or not np.array_equal(known[1], curves):
-                known = self._known = layer, curves, layer(curves)
-            change = layer.change(curves, curves + slow, known[2])
-            kept = self._corrected = layer, curves, slow, change
-        return kept[3]
-
     def _go_on(
         self,
         reach: Reach,
@@ -245,39 +227,18 @@ class Combining:
         columns = part.have_columns
         vectors = part.vectors(weights)
         lengths = part.lengths(vectors)
-        hold, wanted, calm = asked.hold[where], asked.wanted[where], asked.calm[where]
-        tolerance: Doubles | float = 0.0
-        if calms := bool(asked.calm.any()):
-            passing = self._passing(asked, lengths)[where]
-            wanted = wanted - passing
-            tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm.min(axis=1)[:, None])
-        mask, strength = hold > 0, hold
-        firm: Doubles | float = 1.0
-        firmest = hold.max(axis=1, keepdims=True)
-        if not (hold == firmest).all():  # all go as far as it; others are met less exactly
-            strength = np.where(hold == firmest, hold, firmest)
-            if (mask & (hold < firmest)).any():
-                firm = hold / firmest
-        aim = _Aim(
-            here=weights[where],
-            vectors=vectors[where],
-            goal=Goal(wanted, asked.settings.reach * strength, mask, tolerance, firm),
-            still=part.of_take(asked.influence[where]) == 0,
-            least=least[where],
-            most=most[where],
-            closed=self._are_closures(wanted, mask),
-            share=asked.unlike[where],
-        )
-        beyond = np.maximum(part.beyond(wanted, hold), aim.share)
+        aim = self._aim(weights, asked, (least, most), where, vectors, lengths)
+        goal, hold, calm = aim.goal, asked.hold[where], asked.calm[where]
+        beyond = np.maximum(part.beyond(goal.targets, hold), aim.share)
         found = aim.here.copy(order="K")
         quiet = np.minimum(aim.most, aim.here[:, columns] + room[where])
         found[:, columns] = replace(aim, most=quiet).solve(
             reach, columns, part.bounds(beyond), naturalness
         )
         reached = part.lengths(part.vectors(found))
-        missing = np.abs(aim.goal.targets_from(lengths[where]) - reached) - MISSING_MM - tolerance
-        missing = np.where(mask, missing * firm, 0.0).max(axis=1).clip(0.0, 1.0)
-        if calms:
+        missing = np.abs(goal.targets_from(lengths[where]) - reached) - MISSING_MM - goal.tolerance
+        missing = np.where(goal.asked, missing * goal.firm, 0.0).max(axis=1).clip(0.0, 1.0)
+        if asked.calm.any():
             missing *= 1.0 - calm.max(axis=1, initial=0.0)
         asleep = (quiet < aim.most).any(axis=1)
         rest = np.flatnonzero(missing > np.where(asleep, 0.0, np.minimum(aim.share, beyond)))
@@ -287,6 +248,45 @@ class Combining:
             more = replace(aim, share=np.maximum(aim.share, missing)).at(rest)
             found[np.ix_(rest, columns)] = more.solve(reach, columns, bounds, naturalness)
         weights[where] = found
+
+    def _aim(
+        self,
+        weights: Doubles,
+        asked: RegionRequest,
+        limits: tuple[Doubles, Doubles],
+        where: Rows,
+        vectors: Doubles,
+        lengths: Doubles,
+    ) -> _Aim:
+        """What reach aims at on the frames `where`.
+
+        Args:
+            limits: (N, K) each, see `_go_on`.
+            vectors, lengths: (N, C, 3) and (N, C) mm, the region's own controls.
+        """
+        hold, wanted, calm = asked.hold[where], asked.wanted[where], asked.calm[where]
+        tolerance: Doubles | float = 0.0
+        if asked.calm.any():
+            passing = self._passing(asked, lengths)[where]
+            wanted = wanted - passing
+            tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm.min(axis=1)[:, None])
+        mask = hold > 0
+        firm: Doubles | float = 1.0
+        # All go as far as the firmest; others are met less exactly.
+        firmest = hold.max(axis=1, keepdims=True)
+        if (mask & (hold < firmest)).any():
+            firm = hold / firmest
+        strength = np.broadcast_to(asked.settings.reach * firmest, hold.shape)
+        return _Aim(
+            here=weights[where],
+            vectors=vectors[where],
+            goal=Goal(wanted, strength, mask, tolerance, firm),
+            still=self._part.of_take(asked.influence[where]) == 0,
+            least=limits[0][where],
+            most=limits[1][where],
+            closed=self._are_closures(wanted, mask),
+            share=asked.unlike[where],
+        )
 
     def _passing(self, asked: RegionRequest, lengths: Doubles) -> Doubles:
         """(N, C) mm: how far calmed curves may miss what is missing for a moment only.

@@ -117,13 +117,12 @@ class LastLayer:
     def _poses_key(self) -> bytes:
         return self.poses.tobytes()
 
-    def change(self, curves: Doubles, to: Doubles, known: Doubles | None = None) -> Doubles:
+    def change(self, curves: Doubles, to: Doubles, known: Doubles) -> Doubles:
         """(N, K) how the correction changes from curves (N, C) to others.
 
         Args:
-            known: (N, K) the correction for `curves`; None = not known yet.
+            known: (N, K) the correction for `curves`.
         """
-        known = self(curves) if known is None else known
         moved = (curves != to).any(axis=1)
         if moved.all():
             return self(to) - known
@@ -137,6 +136,47 @@ class LastLayer:
         moved = change / self.spread
         square: Doubles = ((moved @ self.precision) * moved).sum(axis=1)
         return np.sqrt(square)
+
+
+class Correction:
+    """How the correction of a region changes with its curves.
+
+    The last one is kept: a drag asks for the correction of the same tracked curves again, and for
+    the same changes of the regions that it does not move.
+    """
+
+    def __init__(self) -> None:
+        self._last: _Change | None = None
+
+    def change(self, layer: LastLayer, curves: Doubles, by: Doubles) -> Doubles:
+        """(N, K) how the correction changes with curves (N, C), mm, by (N, C)."""
+        last = self._last
+        if last is None or last.layer is not layer or not np.array_equal(last.curves, curves):
+            known = layer(curves)
+        elif np.array_equal(last.by, by):
+            return last.change
+        else:
+            known = last.known
+        change = layer.change(curves, curves + by, known)
+        self._last = _Change(layer, curves, known, by, change)
+        return change
+
+
+@dataclass(frozen=True)
+class _Change:
+    """A change of a correction.
+
+    Attributes:
+        layer: the last layer.
+        curves, known: (N, C) mm, and (N, K) the correction for them.
+        by, change: (N, C) mm by which they change, and (N, K) by which the correction does.
+    """
+
+    layer: LastLayer
+    curves: Doubles
+    known: Doubles
+    by: Doubles
+    change: Doubles
 
 
 @cache

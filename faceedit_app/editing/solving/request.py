@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.arrays import Bools, Doubles, Times
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.solving.companions import Companions
@@ -85,10 +85,9 @@ def request(
     """
     low, high = limits or (np.zeros(tracked.shape[1]), np.full(tracked.shape[1], FARTHEST))
     goal = recorded = tracked if recorded is None else recorded
-    filled = np.zeros(tracked.shape, np.bool_)
+    asking = _Asking.for_nothing(tracked)
+    curves = asking.curves
     acting = active(edits)
-    curves = tracked.astype(np.float64, order="F", copy=True)
-    hold, influence, claimed, calm = (np.zeros_like(curves) for _ in range(4))
     for i, edit in enumerate(acting):
         if edit.op in OF_THE_TAKE:
             continue
@@ -102,9 +101,7 @@ def request(
         before = curves[rows].copy() if leads else None
         if edit.op is Op.RESET:
             goal = _goal_of_reset(acting[i + 1 :], times, tracked, recorded)
-            filled = np.abs(goal - tracked) > SAME_MM
-        for control in edit.controls:
-            column = CONTROL_INDEX[control]
+        for column in (CONTROL_INDEX[control] for control in edit.controls):
             wanted = _wanted(edit, rows, times, curves, goal, medians, rate, column)
             now, least, most = curves[rows, column], low[column], high[column]
             wanted = np.clip(wanted, least, most)
@@ -112,26 +109,61 @@ def request(
                 mask > 0, np.clip(now + share * (wanted - now), least, most), now
             )
             if edit.op is Op.RESET:
-                hold[rows, column] *= 1 - share
-                influence[rows, column] *= 1 - share
-                claimed[rows, column] *= 1 - share
-                again = filled[rows, column]  # what was filled has to be asked for
-                hold[rows, column] = np.maximum(hold[rows, column], share * again)
-                asking = influence[rows, column]
-                influence[rows, column] = np.maximum(asking, spread * again)
+                filled = np.abs(goal[rows, column] - tracked[rows, column]) > SAME_MM
+                asking.reset(rows, column, share, spread, filled)
             else:
-                hold[rows, column] = np.maximum(hold[rows, column], mask)
-                calmed = calm[rows, column]
-                smooths = edit.op is Op.SMOOTH
-                calm[rows, column] = np.maximum(calmed, mask) if smooths else calmed * (1 - mask)
-                influence[rows, column] = np.maximum(influence[rows, column], spread)
-        if companions is not None and before is not None:
-            added = companions.follow(edit, curves[rows] - before, claimed[rows])
-            moved = np.clip(curves[rows] + added, low, high)
-            curves[rows] = np.where(added != 0, moved, curves[rows])
-        for column in companions.claims(edit) if companions is not None else ():
-            claimed[rows, column] = np.maximum(claimed[rows, column], mask)
-    return Request(curves, hold, influence, calm)
+                asking.ask(rows, column, mask, spread, calms=edit.op is Op.SMOOTH)
+        if companions is not None:
+            if before is not None:
+                added = companions.follow(edit, curves[rows] - before, asking.claimed[rows])
+                moved = np.clip(curves[rows] + added, low, high)
+                curves[rows] = np.where(added != 0, moved, curves[rows])
+            asking.claim(rows, companions.claims(edit), mask)
+    return Request(curves, asking.hold, asking.influence, asking.calm)
+
+
+@dataclass(frozen=True)
+class _Asking:
+    """What the edits applied so far ask for, on all frames; its methods change it in place.
+
+    Attributes:
+        curves, hold, influence, calm: (N, C), see `Request`.
+        claimed: (N, C) in 0..1, how firmly each curve is claimed, see `companions.py`.
+    """
+
+    curves: Doubles
+    hold: Doubles
+    influence: Doubles
+    calm: Doubles
+    claimed: Doubles
+
+    @classmethod
+    def for_nothing(cls, tracked: Doubles) -> _Asking:
+        """Before the first edit."""
+        curves = tracked.astype(np.float64, order="F", copy=True)
+        return cls(curves, *(np.zeros_like(curves) for _ in range(4)))
+
+    def ask(self, rows: slice, column: int, mask: Doubles, spread: Doubles, calms: bool) -> None:
+        """Ask for a curve by an edit's mask; `calms` if it is a smooth."""
+        at = rows, column
+        self.hold[at] = np.maximum(self.hold[at], mask)
+        self.influence[at] = np.maximum(self.influence[at], spread)
+        self.calm[at] = np.maximum(self.calm[at], mask) if calms else self.calm[at] * (1 - mask)
+
+    def reset(
+        self, rows: slice, column: int, share: Doubles, spread: Doubles, filled: Bools
+    ) -> None:
+        """Ask no longer for a curve, but for what was recorded where it was `filled`."""
+        at = rows, column
+        for each in (self.hold, self.influence, self.claimed):
+            each[at] *= 1 - share
+        self.hold[at] = np.maximum(self.hold[at], share * filled)
+        self.influence[at] = np.maximum(self.influence[at], spread * filled)
+
+    def claim(self, rows: slice, columns: Sequence[int], mask: Doubles) -> None:
+        """The curves no longer follow others, by an edit's mask."""
+        for column in columns:
+            self.claimed[rows, column] = np.maximum(self.claimed[rows, column], mask)
 
 
 def _goal_of_reset(

@@ -32,17 +32,16 @@ from faceedit_app.editing.solving.answerable import find_lacks, without
 from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
-from faceedit_app.editing.solving.combining import Answer, Combining, RegionRequest
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
-from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 from faceedit_app.editing.solving.sideways import Sideways
-from faceedit_app.editing.solving.start import Starts
+from faceedit_app.editing.solving.solved_regions import SolvedRegions
+from faceedit_app.editing.solving.start import Start, Starts
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
@@ -51,8 +50,6 @@ if TYPE_CHECKING:  # the window is there before the networks
 
 # Chunks that the statistics of a take are measured on: 12 are 100 s.
 SAMPLED = 12
-# Results of regions that are kept.
-REMEMBERED = 12
 # Answers to curves that are kept for edits of channels.
 REMEMBERED_CHUNKS = 6
 # Seconds of standard deviation of the Gaussian that divides a request into slow and quick.
@@ -123,8 +120,6 @@ class Solver:
             for region in (BROWS, *REGIONS)
         }
         self._sideways = Sideways(self.distances, may, self._sample)
-        # Brows move lids a little; the mouth, which is edited most, comes last.
-        self._in_order = sorted(self._parts.items(), key=lambda entry: len(entry[1].own))
         self._companions = Companions(
             {part.own: part.control_covariance() for part in self._parts.values()}
         )
@@ -135,14 +130,10 @@ class Solver:
         moves = self._sample.high - self._sample.low > IDLE
         used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
         self._across = across(used, self._sample.weights, self._sample.low, self.distances)
-        self._combining = {
-            name: Combining(part, self.shut, QUICK * clip.rate)
-            for name, part in self._parts.items()
-        }
-        self._solved: dict[tuple[int, str], _Solved] = {}
-        self._networks = NetworkAnswers(
+        networks = NetworkAnswers(
             engine, self.grid, self.chunks, self._parts, self._sampled, self._sample
         )
+        self._regions = SolvedRegions(self._parts, networks, self.shut, QUICK * clip.rate)
         self.limits = self._limits()
         self._limit_arrays = np.array(self.limits).T[0], np.array(self.limits).T[1]
         self.use_character(self._theirs)
@@ -253,76 +244,47 @@ class Solver:
 
     def _answered(self, task: ChunkTask) -> Patch:
         """Answer the curves of one chunk."""
-        rows, near, settings = self.chunks.slice(task.chunk), slice(*task.near), task.settings
-        times, rate = self.clip.times[near], self.clip.rate
-        start = self._starts.filled(task)
-        asked = request(
-            times,
-            rate,
-            start.curves,
+        rows, near = self.chunks.slice(task.chunk), slice(*task.near)
+        inner = slice(rows.start - near.start, rows.stop - near.start)
+        filled = self._starts.filled(task)
+        asked = self._request(task, filled)
+        mine = asked.at(inner)
+        regions = (part.calmed(self._mute) for part in self._parts.values())
+        start = self._starts.calmed(filled, task, regions)
+        weights = start.weights[inner].astype(np.float64, order="F")
+        influences = self._regions.influences(task, mine)
+        if influences or mine.influence[:, self._sideways.column].any():
+            before = weights.copy(order="F")
+            change = self._wanted_change(asked, start.curves, task)
+            change = start.without_twitches(change, asked.calm, self.clip.rate)
+            self._sideways.move(weights, change[inner], mine.hold)
+            self._regions.solve(task, inner, weights, start, change, mine, influences)
+            if task.settings.mode is Mode.PRESERVE:
+                for each in self._across:
+                    each.join(weights, before, mine.hold, mine.calm)
+        result = weights.astype(np.float32)
+        if self._closing is not None and task.settings.closes:
+            share = {name: influence.max(axis=1) for name, influence in influences.items()}
+            result = self._closing(result, share)
+        result = rounded(result, self.tracked[rows])
+        controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
+        turned = self._fills.turned(task.edits, near, rows)
+        started = filled.curves[inner].astype(np.float32)
+        return Patch(mine.curves.astype(np.float32), result, controls, turned, started)
+
+    def _request(self, task: ChunkTask, filled: Start) -> Request:
+        """What the edits of a chunk ask for, on the frames near it."""
+        near = slice(*task.near)
+        return request(
+            self.clip.times[near],
+            self.clip.rate,
+            filled.curves,
             self.medians,
             task.edits,
             self._companions,
             self._limit_arrays,
             self.controls[near].astype(np.float64),
         )
-        inner = slice(rows.start - near.start, rows.stop - near.start)
-        mine = asked.at(inner)
-        regions = (part.calmed(self._mute) for part in self._parts.values())
-        started = start.curves[inner].astype(np.float32)
-        start = self._starts.calmed(start, task, regions)
-        tracked = start.curves
-        before = start.weights[inner].astype(np.float64, order="F")
-        weights = before.copy(order="F")
-        influences = {}
-        for name, part in self._in_order:
-            if part.is_optional and not mine.influence[:, part.own_columns].any():
-                continue
-            influence = part.influence(mine.influence)
-            if name in task.regions and not part.is_optional:
-                influence = np.ones_like(influence)
-            if influence.any():
-                influences[name] = influence
-        if influences or mine.influence[:, self._sideways.column].any():
-            change = self._wanted_change(asked, tracked, task)
-            change = start.without_twitches(change, asked.calm, rate)
-            slow = smoothed(change, QUICK * rate)
-            answers = self._networks.begin(task, tuple(influences), start, slow)
-            change, slow = change[inner], slow[inner]
-            self._sideways.move(weights, change, mine.hold)
-            requests = {}
-            for name, influence in influences.items():
-                part = self._parts[name]
-                heard, own = part.layer_columns, part.own_columns
-                requests[name] = RegionRequest(
-                    settings=part.answered_by(settings),
-                    layer=self._networks.last_layer(name, settings),
-                    unlike=part.unlike(change[:, own]),
-                    influence=influence,
-                    slow=slow[:, heard],
-                    before=tracked[inner][:, heard],
-                    quick=(change - slow)[:, own],
-                    tracked=tracked[inner][:, own],
-                    wanted=(tracked[inner] + change)[:, own],
-                    hold=mine.hold[:, own],
-                    calm=mine.calm[:, own],
-                )
-                solved = self._solved.get((task.chunk, name))
-                if solved is None or not solved.asked.equals(requests[name]):
-                    self._combining[name].prepare(weights, requests[name])
-            for name, wanted in requests.items():
-                self._solve_region(task.chunk, name, weights, wanted, answers.wait(name))
-            if settings.mode is Mode.PRESERVE:
-                for each in self._across:
-                    each.join(weights, before, mine.hold, mine.calm)
-        result = weights.astype(np.float32)
-        if self._closing is not None and settings.closes:
-            share = {name: influence.max(axis=1) for name, influence in influences.items()}
-            result = self._closing(result, share)
-        result = rounded(result, self.tracked[rows])
-        controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
-        turned = self._fills.turned(task.edits, near, rows)
-        return Patch(mine.curves.astype(np.float32), result, controls, turned, started)
 
     def _wanted_change(self, asked: Request, tracked: Doubles, task: ChunkTask) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
@@ -355,42 +317,3 @@ class Solver:
         times = self.clip.times[slice(*task.near)]
         way = self.chunks.resampling(task.chunk, task.near)
         return filled + part.completing.further(times, way, tracked, filled, given, firm)
-
-    def _solve_region(
-        self, chunk: int, name: str, weights: Doubles, asked: RegionRequest, answer: Answer
-    ) -> None:
-        """Put a region's weights into those of a chunk (N, 52).
-
-        The last result is kept: a drag changes one region, and the others ask for the same again.
-        """
-        part = self._parts[name]
-        seen = weights[:, part.sees]
-        known = self._solved.pop((chunk, name), None)
-        if known is None or not known.answers(asked, answer, seen):
-            result = self._combining[name](weights, asked, answer)
-            known = _Solved(asked, answer, seen, result)
-        self._solved[chunk, name] = known
-        while len(self._solved) > REMEMBERED:
-            del self._solved[next(iter(self._solved))]  # the least recently used
-        weights[:, part.have_columns] = known.result
-
-
-@dataclass(frozen=True)
-class _Solved:
-    """A region's result, with all that it depends on.
-
-    Attributes:
-        asked, answer: what was asked for, and what the networks answered.
-        seen: (N, S) the weights that it depends on.
-        result: (N, K) the weights of its channels.
-    """
-
-    asked: RegionRequest
-    answer: Answer
-    seen: Doubles
-    result: Doubles
-
-    def answers(self, asked: RegionRequest, answer: Answer, seen: Doubles) -> bool:
-        """Whether it is the result for exactly this."""
-        pairs = zip((*self.answer, self.seen), (*answer, seen), strict=True)
-        return all(np.array_equal(*pair) for pair in pairs) and self.asked.equals(asked)

@@ -1,0 +1,157 @@
+"""The regions of a chunk, solved one after the other; their last results are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faceedit_app.core.arrays import Doubles
+from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.solving.chunks import ChunkTask
+from faceedit_app.editing.solving.combining import Answer, Combining, RegionRequest
+from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.network_answers import NetworkAnswers
+from faceedit_app.editing.solving.parts import Part
+from faceedit_app.editing.solving.request import Request
+from faceedit_app.editing.solving.start import Start
+
+# Results that are kept.
+REMEMBERED = 12
+
+
+class SolvedRegions:
+    """Solves the regions of one take's chunks.
+
+    Args:
+        parts: what is known about each region, by its id.
+        networks: what the networks answer.
+        shut: mm between the take's closed lips.
+        quick: frames of standard deviation of the Gaussian that divides slow from quick.
+    """
+
+    def __init__(
+        self, parts: Mapping[str, Part], networks: NetworkAnswers, shut: float, quick: float
+    ) -> None:
+        self._parts, self._networks, self._quick = parts, networks, quick
+        # Brows move lids a little; the mouth, which is edited most, comes last.
+        self._in_order = sorted(parts.items(), key=lambda entry: len(entry[1].own))
+        self._combining = {name: Combining(part, shut, quick) for name, part in parts.items()}
+        self._solved: dict[tuple[int, str], _Solved] = {}
+
+    def influences(self, task: ChunkTask, asked: Request) -> dict[str, Doubles]:
+        """(N, K) in 0..1, where each channel may answer; by region, in the order of solving.
+
+        Args:
+            asked: on the N frames of the chunk.
+        """
+        influences = {}
+        for name, part in self._in_order:
+            if part.is_optional and not asked.influence[:, part.own_columns].any():
+                continue
+            influence = part.influence(asked.influence)
+            if name in task.regions and not part.is_optional:
+                influence = np.ones_like(influence)
+            if influence.any():
+                influences[name] = influence
+        return influences
+
+    def solve(
+        self,
+        task: ChunkTask,
+        inner: slice,
+        weights: Doubles,
+        start: Start,
+        change: Doubles,
+        asked: Request,
+        influences: Mapping[str, Doubles],
+    ) -> None:
+        """Put the weights that answer a change into those of a chunk.
+
+        Args:
+            inner: the chunk's N frames among the N' frames near it.
+            weights: (N, 52), in place.
+            start: what the edits start from, on the N' frames.
+            change: (N', C) mm by which the curves that are asked for differ from it.
+            asked: on the N frames.
+            influences: see `influences`.
+        """
+        slow = smoothed(change, self._quick)
+        answers = self._networks.begin(task, tuple(influences), start, slow)
+        tracked, change, slow = start.curves[inner], change[inner], slow[inner]
+        requests = {}
+        for name, influence in influences.items():
+            request = self._request(name, task.settings, tracked, change, slow, asked, influence)
+            requests[name] = request
+            solved = self._solved.get((task.chunk, name))
+            if solved is None or not solved.asked.equals(request):
+                self._combining[name].prepare(weights, request)
+        for name, request in requests.items():
+            self._solve_one(task.chunk, name, weights, request, answers.wait(name))
+
+    def _request(
+        self,
+        name: str,
+        settings: Settings,
+        tracked: Doubles,
+        change: Doubles,
+        slow: Doubles,
+        asked: Request,
+        influence: Doubles,
+    ) -> RegionRequest:
+        """What a change of the curves, (N, C) mm, asks of a region."""
+        part = self._parts[name]
+        heard, own = part.layer_columns, part.own_columns
+        return RegionRequest(
+            settings=part.answered_by(settings),
+            layer=self._networks.last_layer(name, settings),
+            unlike=part.unlike(change[:, own]),
+            influence=influence,
+            slow=slow[:, heard],
+            before=tracked[:, heard],
+            quick=(change - slow)[:, own],
+            tracked=tracked[:, own],
+            wanted=(tracked + change)[:, own],
+            hold=asked.hold[:, own],
+            calm=asked.calm[:, own],
+        )
+
+    def _solve_one(
+        self, chunk: int, name: str, weights: Doubles, asked: RegionRequest, answer: Answer
+    ) -> None:
+        """Put a region's weights into those of a chunk (N, 52).
+
+        The last result is kept: a drag changes one region, and the others ask for the same again.
+        """
+        part = self._parts[name]
+        seen = weights[:, part.sees]
+        known = self._solved.pop((chunk, name), None)
+        if known is None or not known.answers(asked, answer, seen):
+            result = self._combining[name](weights, asked, answer)
+            known = _Solved(asked, answer, seen, result)
+        self._solved[chunk, name] = known
+        while len(self._solved) > REMEMBERED:
+            del self._solved[next(iter(self._solved))]  # the least recently used
+        weights[:, part.have_columns] = known.result
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A region's result, with all that it depends on.
+
+    Attributes:
+        asked, answer: what was asked for, and what the networks answered.
+        seen: (N, S) the weights that it depends on.
+        result: (N, K) the weights of its channels.
+    """
+
+    asked: RegionRequest
+    answer: Answer
+    seen: Doubles
+    result: Doubles
+
+    def answers(self, asked: RegionRequest, answer: Answer, seen: Doubles) -> bool:
+        """Whether it is the result for exactly this."""
+        pairs = zip((*self.answer, self.seen), (*answer, seen), strict=True)
+        return all(np.array_equal(*pair) for pair in pairs) and self.asked.equals(asked)
