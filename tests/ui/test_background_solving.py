@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6.QtWidgets import QPushButton
 from support.takes import make_livelink_csv
-from support.windows import Bench, session_of
+from support.windows import Bench, editor_of, session_of
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.start.window import MainWindow
@@ -40,7 +41,7 @@ def begin(window: MainWindow) -> np.ndarray:
 
 
 def test_what_is_on_screen_is_there_at_once_and_the_rest_follows(
-    bench: Bench, window: MainWindow
+    bench: Bench, window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     window.timeline.go_to_time(40.0)
     window.timeline.show_range(39.0, 41.0)
@@ -49,14 +50,19 @@ def test_what_is_on_screen_is_there_at_once_and_the_rest_follows(
     session = session_of(window)
     assert (session.weights[frame] != tracked[frame]).any()
     np.testing.assert_array_equal(session.weights[0], tracked[0])
+    drawn: list[None] = []
+    monkeypatch.setattr(editor_of(window).face.viewport, "redraw", lambda: drawn.append(None))
     bench.qtbot.waitUntil(lambda: not parts(window).is_busy)
     assert (session.weights != tracked).any(axis=1).all()
     assert not window.status.work.isVisible()
+    assert drawn == [], "a picture that is drawn again is rough at first"
 
 
 def test_progress_is_shown_and_can_be_cancelled(bench: Bench, window: MainWindow) -> None:
     tracked = begin(window)
     bench.qtbot.waitUntil(window.status.work.isVisible)
+    (cancel,) = window.status.work.findChildren(QPushButton)
+    assert cancel.width() <= cancel.sizeHint().width()
     assert 0 <= window.status.bar.value() < window.status.bar.maximum()
     window.status.cancelled.emit()
     assert not parts(window).is_busy

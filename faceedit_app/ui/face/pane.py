@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.editing.session import EditSession
 from faceedit_app.render import Aim
 from faceedit_app.ui.face.handles import FaceHandles
@@ -38,6 +40,7 @@ class FacePane(QWidget):
         self._actions, self._document, self._timeline = actions, document, timeline
         self._tracked, self._glancing, self._both = False, False, False
         self._difference = self._follows = False
+        self._shown: list[Floats] = []  # what the edited face was last drawn from
         self.viewport = Viewport(self)
         self.handles = FaceHandles(self.viewport)
         layout = QVBoxLayout(self)
@@ -129,11 +132,29 @@ class FacePane(QWidget):
         self.switched.emit()
         self.refresh()
 
+    def _pose(self, session: EditSession, frame: int) -> list[Floats]:
+        """What the edited face of a frame is drawn from."""
+        turns = [] if session.rotations is None else [session.rotations[frame].copy()]
+        return [session.rig_weights(frame).copy(), *turns]
+
+    def refresh_if_other(self) -> None:
+        """Show the frame at the playhead, unless it is shown: a new picture is rough at first."""
+        session = self._document.session
+        if session is None:
+            return
+        now = self._pose(session, self._frame(session))
+        if len(now) != len(self._shown) or not all(map(np.array_equal, now, self._shown)):
+            self.refresh()
+
+    def _frame(self, session: EditSession) -> int:
+        return min(max(self._timeline.frame, 0), len(session.weights) - 1)
+
     def refresh(self) -> None:
         """Show the frame at the playhead."""
         session = self._document.session
         if session is not None:
-            frame = min(max(self._timeline.frame, 0), len(session.weights) - 1)
+            frame = self._frame(session)
+            self._shown = self._pose(session, frame)
             compares = self._difference and not self.shows_tracked
             tracked = (
                 session.rig_weights(frame, tracked=True) if compares or self.shows_both else None

@@ -126,7 +126,7 @@ class Editor(QWidget):
         self.face.handles.hand = self.curves.hand
         self._playback.playing_changed.connect(self._set_quality)
         self.edits.reshaping = lambda: self.curves.is_reshaping
-        self.solving.advanced.connect(self._previewed)
+        self.solving.advanced.connect(self._advanced)
         self.solving.finished.connect(self._solved)
         self.edits.selected.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)
@@ -276,9 +276,14 @@ class Editor(QWidget):
             self.face.viewport.hurry()
         self.curves.refresh()
 
+    def _advanced(self) -> None:
+        """Some more of a wide edit has been computed."""
+        self.face.refresh_if_other()
+        self.curves.refresh()
+
     def _solved(self) -> None:
         """A wide edit has been computed in full."""
-        self._previewed()
+        self._advanced()
         self.settings_bar.sync()
 
     def _reshape(self) -> None:

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QStatusBar, QWidget
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QSizePolicy,
+    QStatusBar,
+    QWidget,
+)
 
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import counted, format_rate, format_time, gap_notes
@@ -67,6 +75,7 @@ class StatusBar(QStatusBar):
         self.bar.setFormat("Computing %p %")
         self.bar.setAccessibleName("Progress of the edit")
         cancel = QPushButton("Cancel")
+        cancel.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         cancel.setFlat(True)
         cancel.setToolTip("Stop computing and undo this edit")
         cancel.clicked.connect(self.cancelled)
