@@ -41,6 +41,15 @@ def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow)
     assert named.right() < min(place.left() for _, place in more)
 
 
+def test_a_range_beyond_the_take_is_shown_to_its_end(window: MainWindow) -> None:
+    line, panel = window.timeline, panel_of(window)
+    session_of(window).add(Edit(("mouth_opening",), Op.OFFSET, 2.5, 3.4, 0.1, 4.0))
+    last = f"{line.duration:.2f}"
+    assert panel.model.index(1).data(COLUMNS)[0] == f"2.50 – {last} s"
+    assert panel.model.ends(session_of(window).edits[1]) == f"2.500 – {line.duration:.3f}"
+    assert panel.model.typed_range(f"2.4 – {last}", session_of(window).edits[1]) == (2.4, 3.4)
+
+
 @pytest.mark.parametrize("width", [403, 900])
 def test_a_range_in_timecode_is_not_cut(window: MainWindow, width: int) -> None:
     trigger(window, "unit_timecode")

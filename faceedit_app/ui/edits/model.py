@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -186,7 +187,9 @@ class EditsModel(QAbstractListModel):
         clip, unit = self._timeline.clip, self._timeline.clock.unit
         if clip is not None and unit is not Unit.SECONDS:
             return " – ".join(label(clip, s, unit) for s in (edit.start, edit.end))
-        return f"{max(edit.start, 0.0):.3f} – {max(edit.end, 0.0):.3f}"
+        last = clip.duration if clip is not None else math.inf
+        start, end = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
+        return f"{start:.3f} – {end:.3f}"
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """What can be done with a row; edits are dropped between rows."""
@@ -257,7 +260,8 @@ def columns(
         edit: the edit.
         clip, unit: for times in frames or timecode; otherwise they are in seconds.
     """
-    ends = (max(seconds, 0.0) for seconds in (edit.start, edit.end))
+    last = clip.duration if clip is not None else math.inf  # a paste may go on beyond the take
+    ends = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
     if clip is None or unit is Unit.SECONDS:
         start, end = (f"{seconds:.2f}" for seconds in ends)
         tail = " s"
