@@ -46,6 +46,8 @@ def test_the_window_fits_1080_lines_at_twice_the_size(
     assert window.editor is not None
     bottom = window.editor.transport.mapTo(window, window.editor.transport.rect().bottomLeft())
     assert bottom.y() < window.height()
+    lists = window.editor.lists
+    assert lists.height() == lists.minimumSizeHint().height(), "the face gets all the rest"
 
 
 def test_a_line_without_room_is_shown_in_short(qtbot: QtBot) -> None:

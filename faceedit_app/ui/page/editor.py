@@ -42,7 +42,8 @@ from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 170)  # of the height beside the curves: face, edits
-_STACKED = (630, 100)  # the same, with the film above or below the face
+_STACKED = (630, 100)  # the same, with the film above or below the face, or on a low screen
+_LOW = 600  # pixels; 1920 x 1080 at twice the size have 540
 
 
 class Editor(QWidget):
@@ -97,7 +98,8 @@ class Editor(QWidget):
         self.lists.addTab(self.problem_list, "Problems")
         self.lists.addTab(self.expressions, "Expressions")
         self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.lists)
-        self.side.setSizes(_SIDE)
+        is_low = self.screen().availableSize().height() < _LOW
+        self.side.setSizes(_STACKED if is_low else _SIDE)
         self.side.setStretchFactor(0, 1)
         self.panes = _splitter(
             Qt.Orientation.Horizontal, _stacked(self.curves, self.sound, self.words), self.side

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
@@ -81,7 +82,7 @@ def _seconds(text: str) -> float:
 
 
 def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) -> int:
-    base = derive_base(parse_timecodes(timecodes))[0]
+    base = _base(timecodes)
     typed, there = re.split("[:;]", text), re.split("[:;]", now)
     drop = ";" if ";" in now else ":"
     # "12:05" is the second and the frame: the rest is as at the playhead.
@@ -101,6 +102,11 @@ def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) ->
     around = range(max(frame - 1, 0), min(frame + 2, len(clip)))
     same = _fields(":".join(whole))
     return next((f for f in around if _fields(timecodes[f]) == same), frame)
+
+
+@lru_cache(maxsize=1)  # each key that is typed asks again, and an hour has 200,000 timecodes
+def _base(timecodes: tuple[str, ...]) -> int:
+    return derive_base(parse_timecodes(timecodes))[0]
 
 
 def _fields(timecode: str) -> list[int]:
