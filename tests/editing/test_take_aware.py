@@ -115,6 +115,23 @@ def test_a_wink_moves_nothing_of_the_other_eye(lid: str, falloff: float) -> None
     assert session.achieved[rows, CONTROL_INDEX[lid]].min() < 0.5
 
 
+@pytest.mark.parametrize("falloff", [0.09, 0.3])
+def test_a_blink_moves_the_brows_as_blinks_do_and_not_as_grimaces(falloff: float) -> None:
+    clip, weights = demo(), demo().weights.copy()
+    for at in (1.0, 8.5):  # eyes shut tight below lowered brows
+        tight = np.clip(1.5 - np.abs(clip.times - at) / 0.4, 0.0, 1.0)[:, None]
+        for stem, most in (("eyeBlink", 0.9), ("browDown", 0.8), ("eyeSquint", 0.6)):
+            sides = [ARKIT_INDEX[f"{stem}{side}"] for side in ("Left", "Right")]
+            weights[:, sides] += tight * (most - weights[:, sides])
+    session = session_on(with_weights(clip, weights))
+    brows = [CONTROL_INDEX[c] for c in ("left_brow", "right_brow")]
+    down = session.tracked[:, brows] - np.median(session.tracked[:, brows], axis=0)
+    assert down.min() < -4.0
+    session.add(Edit(LIDS, Op.SET, 4.0, 4.03, falloff, 0.0, falloff_out=0.21))
+    moved_by = (session.achieved - session.tracked)[:, brows]
+    assert np.abs(moved_by).max() < 1.0  # nine of ten blinks of people move them by less
+
+
 @pytest.mark.parametrize("at", [2.6, 3.4, 5.0, 6.4])
 def test_closed_lips_are_the_takes_own_and_do_not_frown(at: float) -> None:
     session = session_on(demo())

@@ -30,8 +30,15 @@ _ACROSS = {("mouthSmile", "eyeSquint"): 0.48}
 # Frames at 25 fps, with a leader that varies by `_SPREAD`, that the table counts as.
 _PRIOR_FRAMES, _SPREAD = 200.0, 0.15
 # Channels that performances trained on, most of them ranges of motion, use more than people do
-# when they smile or speak; a take that uses them says so itself.
-_RESERVED = {"mouthStretch": 0.3, "mouthFrown": 0.6, "mouthPress": 0.5}
+# when they smile, speak or blink; a take that uses them says so itself.
+_RESERVED = {
+    "mouthStretch": 0.3,
+    "mouthFrown": 0.6,
+    "mouthPress": 0.5,
+    "browDown": 0.5,
+    "browInnerUp": 0.5,
+    "browOuterUp": 0.5,
+}
 # Channels that do not rise while lips are closed.
 STAYS_IN_CLOSURES = ("mouthFrown",)
 # Variance of an accompanying channel that the leaders do not explain.

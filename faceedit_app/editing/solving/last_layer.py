@@ -12,17 +12,24 @@ know its single gestures. This is ridge regression (Hoerl and Kennard, "Ridge re
 estimation for nonorthogonal problems", 1970) towards the networks: a take of a second hardly
 changes their answer, and one of a minute nearly replaces it. It depends on nothing but the take.
 
+Brows have no curve of their own. Where eyes shut in a grimace they are down, and that is not what a
+blink does to them. So their R is linear and fitted to movements: to how W - N(c) and the curves
+change within `MOVEMENT` seconds. A blink then moves brows as blinks of this face do.
+
 What R leaves is the residual of a pose, see `residual.py`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Indices
+from faceedit_app.core.resample import GRID_RATE
+from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.recent import Recent
 
 # How firmly the coefficients of the curves, of their products and of the radial functions are kept
@@ -33,6 +40,8 @@ LINEAR, QUADRATIC, RADIAL = 20.0, 200.0, 10.0
 POSES, REACHES = 48, 1.5
 # mm added to each curve's standard deviation: a curve that hardly moves says little.
 LEAST_SPREAD = 0.3
+# Seconds of standard deviation of the Gaussian below which curves and weights move; about a blink.
+MOVEMENT = 0.15
 # Standard deviations beyond the take's own range within which the correction still grows.
 BEYOND = 0.5
 # Variance added to each standardised curve in the length of a change.
@@ -65,7 +74,12 @@ class LastLayer:
 
     @classmethod
     def fit(
-        cls, curves: Doubles, lacking: Doubles, mirror: Indices, mirrored_curves: Indices
+        cls,
+        curves: Doubles,
+        lacking: Doubles,
+        mirror: Indices,
+        mirrored_curves: Indices,
+        moving: Sequence[int] = (),
     ) -> LastLayer:
         """Fit the correction: what a face does on one side it may do on the other.
 
@@ -74,6 +88,8 @@ class LastLayer:
             lacking: (T, K) the weights less the networks' answer to the curves.
             mirror: (K,) the position of each channel's mirror image.
             mirrored_curves: (C,) the same of each curve.
+            moving: if it is to be fitted to movements, the lengths of the stretches of frames in
+                a row that `curves` consists of.
         """
         both = np.concatenate([curves, curves[:, mirrored_curves]])
         lacks = np.concatenate([lacking, lacking[:, mirror]])
@@ -88,10 +104,14 @@ class LastLayer:
         penalty = np.full(functions.shape[1], QUADRATIC)
         penalty[:size], penalty[-len(poses) :] = LINEAR, RADIAL
         centre, level = functions.mean(axis=0), lacks.mean(axis=0)
-        offset = functions - centre
+        offset, away, used = functions - centre, lacks - level, len(penalty)
+        if moving:
+            used = size
+            offset, away = (_movements(each, 2 * [*moving]) for each in (offset[:, :used], away))
         # Each frame is there twice, and counts half.
-        system = offset.T @ offset + 2.0 * np.diag(penalty)
-        coefficients = np.linalg.solve(system, offset.T @ (lacks - level))
+        system = offset.T @ offset + 2.0 * np.diag(penalty[:used])
+        coefficients = np.zeros((len(penalty), lacks.shape[1]))
+        coefficients[:used] = np.linalg.solve(system, offset.T @ away)
         covariance = standard.T @ standard / len(standard) + _JITTER * np.eye(size)
         precision = np.asarray(np.linalg.inv(covariance), np.float64)
         constant = level - centre @ coefficients
@@ -177,6 +197,16 @@ class _Change:
     known: Doubles
     by: Doubles
     change: Doubles
+
+
+def _movements(values: Doubles, stretches: Sequence[int]) -> Doubles:
+    """(T, V) values at 25 fps, less what lasts longer than a movement.
+
+    Args:
+        stretches: the lengths of the stretches that the frames are from.
+    """
+    parts = np.split(values, np.cumsum(stretches)[:-1])
+    return np.concatenate([part - smoothed(part, MOVEMENT * GRID_RATE) for part in parts])
 
 
 @cache

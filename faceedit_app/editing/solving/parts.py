@@ -358,4 +358,6 @@ class Part:
         lacking = weights - self.whole(np.concatenate(answers))
         places = {CONTROL_IDS[column]: i for i, column in enumerate(self.layer_columns)}
         mirror = [places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()]
-        return LastLayer.fit(curves, lacking, self.mirror, np.array(mirror, np.intp))
+        # Channels without a curve of their own only accompany what moves.
+        moving = [] if len(self.own) else [len(stretch) for stretch in sample.curves]
+        return LastLayer.fit(curves, lacking, self.mirror, np.array(mirror, np.intp), moving)
