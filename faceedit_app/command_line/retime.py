@@ -23,6 +23,8 @@ from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
     from faceedit_app.editing.edits.splice import Splice
+    from faceedit_app.editing.splicing import Written
+    from faceedit_app.words.transcript import Transcript
 
 _NUMBER = r"(\d+(?:\.\d*)?|\.\d+)"
 _CUT = re.compile(rf"{_NUMBER}-{_NUMBER}")
@@ -71,22 +73,13 @@ def retime(
     """
     from faceedit_app.editing.filming import media_of
     from faceedit_app.editing.splicing import write_spliced
-    from faceedit_app.formats.timing import counted
-    from faceedit_app.words.files import read_words, write_words
+    from faceedit_app.words.files import write_words
 
     splices = [*_cuts(cut or []), *_inserts(insert or [])]
     if not splices:
         raise FaceEditError("retime needs --cut START-END or --insert AT+SECONDS")
     grid = output.with_suffix(".TextGrid")
-    if (
-        words is not None
-        and grid.exists()
-        and not (overwrite and grid.absolute() != words.absolute())
-    ):
-        raise FileError(grid, "exists", "choose another name for the new take")
-    said = read_words(words).transcript if words is not None else None
-    if words is not None and said is None:
-        raise FaceEditError(f"{words}: does not say when each word is said; align them first")
+    said = None if words is None else _timed_words(words, grid, overwrite)
     session = edited_session(take, fps, edits, models, None)
     media = media_of(session.take, sound, film)
     written = write_spliced(
@@ -103,6 +96,26 @@ def retime(
         new = written.words(said.shifted(offset))
         assert new is not None
         write_words(grid, new, written.clip.duration)
+    _report(take, output, written, as_json)
+
+
+def _timed_words(words: Path, grid: Path, overwrite: bool) -> Transcript:
+    """The take's words, if those of the new take can be written to `grid`."""
+    from faceedit_app.words.files import read_words
+
+    replaces = overwrite and grid.absolute() != words.absolute()
+    if grid.exists() and not replaces:
+        raise FileError(grid, "exists", "choose another name for the new take")
+    said = read_words(words).transcript
+    if said is None:
+        raise FaceEditError(f"{words}: does not say when each word is said; align them first")
+    return said
+
+
+def _report(take: Path, output: Path, written: Written, as_json: bool) -> None:
+    """Say what was written."""
+    from faceedit_app.formats.timing import counted
+
     clip = written.clip
     if as_json:
         facts = json_output.written_facts(

@@ -86,7 +86,7 @@ def words(
     are measured, and close, on that character.
     """
     from faceedit_app.media import is_media
-    from faceedit_app.words.aligning import NOISY, Line
+    from faceedit_app.words.aligning import Line
     from faceedit_app.words.files import as_tables, read_words, write_words
     from faceedit_app.words.imported import Imported
 
@@ -94,15 +94,13 @@ def words(
     _check_written(output, fix, retime_to)
     if retime_to is None and (their_text is not None or their_start is not None):
         raise FaceEditError("--their-text and --their-start belong to --retime-to")
-
     said = read_words(file) if file is not None else Imported((Line(text or ""),))
     spellings = _spellings(sounds_like or [])
-    report: dict[str, Any] = {}
+    more: dict[str, Any] = {"closures": []}
     if is_media(source):
         if output is not None:
             raise FaceEditError(f"{source}: is a sound; --fix and --retime-to need a take")
         transcript, seconds = _words_of_sound(source, said, spellings)
-        report = {**as_tables(transcript), "closures": []}
     else:
         session, transcript = _words_of_take(source, said, spellings, fps)
         seconds = session.take.clip.duration
@@ -110,16 +108,20 @@ def words(
             session.use_character(rig_of(character))
         if retime_to is not None:
             found = _match(session, transcript, retime_to, their_text, spellings, their_start)
-            report = {"retime": _matched(found)}
-            transcript = found.words
-        closures = _closures(session, fix, output, models, overwrite)
-        report = {**as_tables(transcript), "closures": closures, **report}
-    report["noise_db"] = transcript.noise
-    if transcript.noise is not None and transcript.noise < NOISY:
-        say(f"faceedit: warning: {_NOISY.format(transcript.noise)}", to=sys.stderr)
+            transcript, more["retime"] = found.words, _matched(found)
+        more["closures"] = _closures(session, fix, output, models, overwrite)
+    _warn_of_noise(transcript)
     if save is not None:
         write_words(save, transcript, seconds)
+    report = {**as_tables(transcript), **more, "noise_db": transcript.noise}
     say(json.dumps(report, indent=2) if as_json else _text(report))
+
+
+def _warn_of_noise(transcript: Transcript) -> None:
+    from faceedit_app.words.aligning import NOISY
+
+    if transcript.noise is not None and transcript.noise < NOISY:
+        say(f"faceedit: warning: {_NOISY.format(transcript.noise)}", to=sys.stderr)
 
 
 def _check_said(text: str | None, file: Path | None) -> None:

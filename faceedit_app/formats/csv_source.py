@@ -8,7 +8,7 @@ without a tracked face) survives by construction.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
@@ -18,7 +18,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import detect_format
+from faceedit_app.formats.numbers import NumberFormat, detect_format
 
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
@@ -78,6 +78,7 @@ class CsvSource:
         flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
         seconds: the column of the times, if they are seconds.
+        formats: how the numbers of some columns are written, once that is known.
     """
 
     table: Table
@@ -89,6 +90,9 @@ class CsvSource:
     flag: int | None = None
     confidence: int | None = None
     seconds: int | None = None
+    formats: dict[tuple[int, ...], NumberFormat] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -164,7 +168,10 @@ class CsvSource:
 
     def _writer(self, columns: Sequence[int], scale: float) -> Callable[[float], bytes]:
         """What writes a number as the file writes those in some columns."""
-        write, decimal = detect_format(self._sample(columns), scale).write, self.table.decimal
+        known = tuple(columns)
+        if known not in self.formats:
+            self.formats[known] = detect_format(self._sample(columns), scale)
+        write, decimal = self.formats[known].write, self.table.decimal
         return lambda number: write(number).replace(b".", decimal)
 
     def _sample(self, columns: Sequence[int]) -> Iterator[bytes]:

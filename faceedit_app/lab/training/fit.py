@@ -114,12 +114,8 @@ def fit_region(
     stage("regressor", REGRESSOR, settings.epochs_regressor, networks.regressor)
     networks.regressor.requires_grad_(False)
     if not histories["regressor"].stopped:
-        learned = nn.ModuleList([networks.autoencoder])
-        if networks.adapted is not None:  # its statistics follow the noise, its weights do not
-            networks.adapted.load_state_dict(networks.regressor.state_dict())
-            networks.adapted.requires_grad_(False)
-            learned.append(networks.adapted)
-        stage("autoencoder", AUTOENCODER, settings.epochs_autoencoder, learned)
+        behind = _behind_the_regressor(networks)
+        stage("autoencoder", AUTOENCODER, settings.epochs_autoencoder, behind)
     description = examples.describe(
         networks,
         covariance=covariance,
@@ -129,6 +125,16 @@ def fit_region(
         natural=examples.natural,
     )
     return _judge(TrainedRegion(description, networks.eval()), losses, examples, histories)
+
+
+def _behind_the_regressor(networks: Stacked) -> nn.Module:
+    """What is trained once the regressor is frozen."""
+    learned = nn.ModuleList([networks.autoencoder])
+    if networks.adapted is not None:  # its statistics follow the noise, its weights do not
+        networks.adapted.load_state_dict(networks.regressor.state_dict())
+        networks.adapted.requires_grad_(False)
+        learned.append(networks.adapted)
+    return learned
 
 
 def fingerprint(

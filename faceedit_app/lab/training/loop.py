@@ -155,29 +155,20 @@ def learn(
     history, best = History(), _copy(network)
     if checkpoint is not None and (found := checkpoint.read(network, optimiser)):
         history, best = found
-    everything = np.arange(len(validation))
     try:
         for number in range(len(history.held) + 1, epochs + 1):
             for group in optimiser.param_groups:
                 group["lr"] = rate(settings, epochs, history.held)
             chance = np.random.default_rng([settings.seed, stage, number])
-            noise = torch.Generator().manual_seed(int(chance.integers(2**62)))
-            windows = examples(number)
-            network.train()
-            loss = _epoch(
-                lambda batch, noise=noise: forward(batch, noise),  # type: ignore[misc]
-                loss_of,
-                lambda rows, windows=windows: batch_of(windows, rows),  # type: ignore[misc]
-                chance.permutation(len(windows)),
-                settings.batch,
-                optimiser,
+            loss = _learn_epoch(
+                network, forward, loss_of, examples(number), batch_of, chance, settings, optimiser
             )
             network.eval()
             held = _epoch(
                 lambda b: forward(b, None),
                 loss_of,
                 lambda rows: batch_of(validation, rows),
-                everything,
+                np.arange(len(validation)),
                 512,
                 None,
             )
@@ -193,6 +184,29 @@ def learn(
     network.load_state_dict(best)
     network.eval()
     return history
+
+
+def _learn_epoch(
+    network: nn.Module,
+    forward: Callable[[B, torch.Generator | None], Tensor],
+    loss_of: Callable[[Tensor, B], Tensor],
+    windows: E,
+    batch_of: Callable[[E, Indices], B],
+    chance: np.random.Generator,
+    settings: FitSettings,
+    optimiser: torch.optim.Optimizer,
+) -> float:
+    """Learn from all windows once, in random order; the loss."""
+    noise = torch.Generator().manual_seed(int(chance.integers(2**62)))
+    network.train()
+    return _epoch(
+        lambda batch: forward(batch, noise),
+        loss_of,
+        lambda rows: batch_of(windows, rows),
+        chance.permutation(len(windows)),
+        settings.batch,
+        optimiser,
+    )
 
 
 def _copy(network: nn.Module) -> State:
