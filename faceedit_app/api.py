@@ -355,17 +355,16 @@ class Take:
         """
         if view not in list(filming.View):
             raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
-        self.session.live.work()
-        take = self.session.take
+        take, weights, rotations = filming.shown_by(self.session)
         shot = filming.Shot(filming.View(view), size, fps, follows_head=follow_head)
         filmed = filming.film_take(
             take,
-            self.session.weights,
+            weights,
             self.session.shown_rig,
             filming.media_of(take),
             Path(path),
             shot,
-            rotations=self.session.rotations,
+            rotations=rotations,
         )
         assert filmed is not None  # nothing stops it
         return filmed

@@ -126,21 +126,21 @@ def _film(
     session: EditSession, output: Path, shot: Shot, sound: Path | None, film: Path | None
 ) -> None:
     """Film a take, and say how far it is; without files for sound and film, those beside it."""
-    from faceedit_app.editing.filming import film_take, media_of
+    from faceedit_app.editing.filming import film_take, media_of, shown_by
     from faceedit_app.formats.timing import format_rate
 
     media = media_of(session.take, sound, film)
-    session.live.work()
+    take, weights, rotations = shown_by(session)
     with bar(output.name) as advance:
         filmed = film_take(
-            session.take,
-            session.weights,
+            take,
+            weights,
             session.shown_rig,
             media,
             output,
             shot,
             advance,
-            rotations=session.rotations,
+            rotations=rotations,
         )
     assert filmed is not None  # nothing stops it
     say(f"{output}: {filmed.frames} pictures at {format_rate(filmed.rate)}, {filmed.codecs}")

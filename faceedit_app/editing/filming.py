@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -20,6 +20,8 @@ from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.files.originals import make_way
+from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.converting import with_filled
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day, time_of_day
 from faceedit_app.media import beside, offset_by_clock
@@ -188,6 +190,25 @@ def film_take(
         except Abandoned:
             return None
     return Filmed(path, form, len(edited), rate, out.codecs)
+
+
+def shown_by(session: EditSession) -> tuple[Take, Floats, Floats | None]:
+    """What to film of a session: the take, its edited weights (T, 52), and rotations (T, 9).
+
+    Rows that lost the face and were filled are frames of it.
+    """
+    session.live.work()
+    take, filled, edited = session.take, session.filled_rows(), session.edited_clip()
+    lost, clip = take.lost_rows, take.clip
+    if lost is None or filled is None or not np.isfinite(filled).any():
+        return take, session.weights.copy(), edited.rotations
+    before = np.floor(lost.positions).astype(np.intp)
+    share = np.array(lost.positions, np.float32)[:, None] - before[:, None]
+    nothing = (1 - share) * clip.weights[before] + share * clip.weights[before + 1]
+    nothing[~np.isfinite(filled).all(axis=1)] = np.nan
+    edited = with_filled(edited, lost, filled)
+    tracked = with_filled(clip, lost, nothing)
+    return replace(take, clip=tracked), edited.arkit_weights(), edited.rotations
 
 
 _Pose = tuple[Floats, Floats | None]  # weights (52,), and rotations (9,) if the head turns

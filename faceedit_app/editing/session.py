@@ -161,8 +161,11 @@ class EditSession(EditHistory):
 
     def filled_rows(self) -> Floats | None:
         """(L, K) the weights that fills give to the take's `lost_rows`, NaN where none does."""
-        lost = self.take.lost_rows
-        return None if lost is None else self._solver.found(lost, self.edits, self.weights)
+        lost, closes = self.take.lost_rows, self.settings.closes
+        if lost is None:
+            return None
+        self.live.work()
+        return self._solver.found(lost, self.edits, closes, self.weights)
 
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.

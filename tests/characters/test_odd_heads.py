@@ -19,11 +19,9 @@ from support.character_files import (
     write_glb,
     write_objs,
 )
-from support.faces import shipped_rig
 from support.fbx_files import fbx_bytes, fbx_of_head, fbx_record, write_fbx
 from support.heads import JAW, MOUTH, small_head
 
-from faceedit_app.characters.closure import Gaps
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.map_file import map_path, write_map
 from faceedit_app.characters.points import MAIN_POINTS
@@ -33,7 +31,6 @@ from faceedit_app.characters.scenes import SCENES, scene_content
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
-from faceedit_app.editing.solving.closing import Closing
 
 _OBJECTS = ("SubDeformer", "Geometry")  # of a shape in an FBX
 
@@ -338,55 +335,6 @@ def test_of_two_different_heads_one_is_opened(tmp_path: Path) -> None:
     assert fitted.checklist.unknown == fitted.checklist.doubts == ()
     assert [part.name for part in fitted.character.parts] == ["Head", "Eye"]
     assert "another head was left out: Bob" in fitted.checklist.remarks[0]
-
-
-def changed(out: Glb, rest: dict[str, float], factors: dict[str, float]) -> Glb:
-    """A head whose file is written with shapes at `rest`, and others scaled by `factors`."""
-    head = small_head()
-    places = head.vertices + sum(weight * head.targets[name] for name, weight in rest.items())
-    (primitive,) = out.json["meshes"][0]["primitives"]
-    primitive["attributes"]["POSITION"] = out.accessor(places / 1000, FLOAT)
-    names = out.json["meshes"][0]["extras"]["targetNames"]
-    for channel, factor in factors.items():
-        moves = out.accessor(factor * head.targets[channel] / 1000, FLOAT)
-        primitive["targets"][names.index(channel)] = {"POSITION": moves}
-    return out
-
-
-def test_lips_that_rest_apart_count_as_shut_there(tmp_path: Path) -> None:
-    """Weights bring them nearer only by grimaces."""
-    fitted = saved(changed(small_glb(), {"jawOpen": 0.12}, {}), tmp_path)
-    (doubt,) = fitted.checklist.doubts
-    assert doubt.startswith("the inner lips rest 3.")
-    still = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
-    assert Gaps.of(fitted.rig).measure(still)[0, 0] == pytest.approx(0.0, abs=1e-3)
-    assert np.array_equal(Closing(shipped_rig(), fitted.rig)(still), still)
-
-
-BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
-
-
-def test_a_blink_that_is_too_weak_says_what_closes_the_eye(tmp_path: Path) -> None:
-    without = small_glb(lambda name: None if "Squint" in name else name)
-    fitted = saved(changed(without, {}, dict.fromkeys(BLINKS, 0.45)), tmp_path)
-    first, second = fitted.checklist.doubts
-    assert first.startswith("eyeBlinkLeft leaves the left eye ")
-    assert "there is no eyeSquintLeft; a multiplier of 1." in first
-    times = float(first.split("multiplier of ")[1].split()[0])
-    assert f"multiplier of {times:.2f}" in second
-    for channel in BLINKS:
-        fitted = fitted.with_level(channel, (times, 0.0, 1.0))
-    shut = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
-    shut[0, [ARKIT_CHANNELS.index(channel) for channel in BLINKS]] = 1.0
-    assert Gaps.of(fitted.rig).measure(shut)[0, 1:].max() < 0.5
-
-
-def test_eyes_that_are_shut_in_the_file_are_said(tmp_path: Path) -> None:
-    fitted = saved(
-        changed(small_glb(), dict.fromkeys(BLINKS, 0.9), dict.fromkeys(BLINKS, 0.1)), tmp_path
-    )
-    assert "left_upper_lid" not in fitted.points
-    assert fitted.checklist.doubts[0].startswith("eyeBlinkLeft moves the lid by only 0.9 mm")
 
 
 @pytest.mark.parametrize("triangles", [1000, 300])

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.faces import shipped_rig
 from support.sessions import session_by_rig
 from support.takes import make_livelink_csv
 
+from faceedit_app.characters.closure import Gaps
 from faceedit_app.core.controls import CONTROL_IDS, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.exporting import choose, export_session
+from faceedit_app.editing.filming import shown_by
 from faceedit_app.editing.help.fill import filled_message
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
@@ -118,3 +121,40 @@ def test_the_message_says_what_the_export_gets(path: Path) -> None:
     take = open_take(path)
     assert "a face in 30 rows" in filled_message(take, 1.8, 2.7, heard=False)
     assert "no row for 3 lost frames" in filled_message(take, 4.5, 5.5, heard=False)
+
+
+def test_films_show_the_rows_that_were_filled(path: Path) -> None:
+    session = session_by_rig(path)
+    assert shown_by(session)[0] is session.take
+    session.add(FILL)
+    take, weights, rotations = shown_by(session)
+    assert len(take.clip) == len(weights) == len(session.take.clip) + len(LOST)
+    assert rotations is not None
+    assert rotations.shape == (len(weights), 9)
+    lost = slice(LOST.start, LOST.stop)
+    assert np.ptp(weights[lost], axis=0).max() > 0.01
+    straight = np.diff(take.clip.weights[lost].astype(float), n=2, axis=0)
+    assert np.abs(straight).max() < 1e-5  # as tracked there is nothing between both sides
+
+
+def test_filled_rows_close_on_the_users_character(path: Path) -> None:
+    """Theirs needs more of a blink than ours."""
+    session, rig = session_by_rig(path), shipped_rig()
+    weak = rig.deltas.copy()
+    for channel in ("eyeBlinkLeft", "eyeBlinkRight"):
+        weak[rig.channel_index[channel]] *= 0.8
+    theirs = Gaps.of(replace(rig, deltas=weak))
+    blinks = Edit(LIDS, Op.OFFSET, 1.8, 2.7, 0.1, -20.0)
+    session.put((FILL, blinks))
+    found = session.filled_rows()
+    assert found is not None
+
+    def lids(found: np.ndarray) -> np.ndarray:
+        clip = replace(session.take.clip, weights=found, times=np.arange(len(found)) / 60.0)
+        return theirs.measure(clip.arkit_weights())[5:-5, 1:]
+
+    assert lids(found).max() > 1.0
+    session.use_character(replace(rig, deltas=weak))
+    again = session.filled_rows()
+    assert again is not None
+    assert lids(again).max() < 0.5

@@ -207,14 +207,18 @@ class Solver:
         parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
-    def found(self, lost: LostRows, edits: Sequence[Edit], weights: Floats) -> Floats:
+    def found(self, lost: LostRows, edits: Sequence[Edit], closes: bool, weights: Floats) -> Floats:
         """(L, K) weights for the rows without a face that fills cover; else NaN.
 
         Args:
+            closes: whether lips and lids close on the user's character.
             weights: (T, 52) the result of the edits.
         """
-        columns = [ARKIT_INDEX[c] for c in self.clip.channels]
-        return self._fills.found(active(divided(edits)[0]), lost.positions, weights)[:, columns]
+        found = self._fills.found(active(divided(edits)[0]), lost.positions, weights)
+        if self._closing is not None and closes:
+            faces = np.isfinite(found).all(axis=1)
+            found[faces] = rounded(self._closing(found[faces]), found[faces])
+        return found[:, [ARKIT_INDEX[c] for c in self.clip.channels]]
 
     def moved(self, edits: Sequence[Edit], values: Floats) -> Floats:
         """(T,) values of the frames, such as confidence, at the moments that retimes show."""

@@ -55,7 +55,7 @@ class FilmExport:
             self._film(path, replace(shot, overwrite=overwrite, mirrored=media.mirrored))
 
     def _film(self, path: Path, shot: Shot) -> None:
-        from faceedit_app.editing.filming import film_take
+        from faceedit_app.editing.filming import film_take, shown_by
 
         session, page = self._workspace.session, self._workspace.page
         assert session is not None
@@ -64,8 +64,7 @@ class FilmExport:
             camera = page.face.viewport.camera_for(width / height)
             shot = replace(shot, camera=camera, follows_head=page.face.follows_head)
         self._workspace.document.work_off()
-        take, rig, weights = session.take, session.shown_rig, session.weights.copy()
-        turns = None if session.rotations is None else session.rotations.copy()
+        rig, (take, weights, turns) = session.shown_rig, shown_by(session)
         placement = self._workspace.media.placement
         self._writing.start(
             path.name,
