@@ -66,7 +66,9 @@ def _take_of_project(window: MainWindow, folder: Path) -> None:
 
 def _checklist(window: MainWindow, folder: Path) -> CharacterChecklist:
     dialog = CharacterChecklist(window)
-    dialog.show_character(open_character(write_glb(folder / "head.glb")), is_changed=True)
+    dialog.show_character(
+        open_character(write_glb(folder / "head.glb")), is_changed=True, is_drawn=True
+    )
     dialog.show()
     return dialog
 

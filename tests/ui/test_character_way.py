@@ -3,28 +3,37 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from support.character_files import parts_of, write_glb
+from support.character_files import parts_of, write_glb, write_vrm
 from support.windows import Bench, session_of, trigger
 
 from faceedit_app.characters.closure import SHUT, Gaps
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.map_file import map_path
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.levels import Levels
 from faceedit_app.editing.exporting import Options, choose
 from faceedit_app.editing.help.on_character import NAME
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
 
+ALL = {channel: {channel: 1.0} for channel in ARKIT_CHANNELS}
+HEADS: dict[str, Callable[[Path], Path]] = {
+    "GLB": lambda folder: write_glb(folder / "head.glb", lambda name: f"Face_{name}"),
+    "VRM": lambda folder: write_vrm(folder / "head.vrm", version=1, presets=ALL),
+}
 
-@pytest.mark.parametrize("follows", [False, True])
-def test_my_glb_a_take_fixed_lips_and_my_glb_with_animation(
-    follows: bool, bench: Bench, monkeypatch: pytest.MonkeyPatch
+
+@pytest.mark.parametrize(("kind", "follows"), [("GLB", True), ("VRM", False)])
+def test_my_head_a_take_fixed_lips_and_my_head_with_animation(
+    kind: str, follows: bool, bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    head = write_glb(bench.folder / "head.glb", lambda name: f"Face_{name}")
+    head = HEADS[kind](bench.folder)
     strength = {"jawOpen": {"multiplier": 1.8}, "mouthPressLeft": {"limit": 0.5}}
     strength |= {f"eyeBlink{side}": {"offset": -0.3} for side in ("Left", "Right")}
     written = {"faceedit_character_map": 1, "strength": strength}
@@ -59,8 +68,10 @@ def test_my_glb_a_take_fixed_lips_and_my_glb_with_animation(
     shown = session.shown_rig.from_arkit(session.weights)[:, known]
     played = replace(session.shown_rig, levels=Levels()).from_arkit(found)[:, known]
     np.testing.assert_allclose(played, shown, atol=1e-6)
-    targets = open_character(out).character.targets
-    assert targets == open_character(head).character.targets
+    back = open_character(out)
+    assert set(back.checklist.matched) == set(open_character(head).checklist.matched)
+    plain = Gaps.of(replace(back.rig, levels=Levels()))  # the file holds what its shapes show
+    assert (was_open & (plain.measure(found) > SHUT)).sum() == still_open.sum()
     document, _ = parts_of(out.read_bytes())
     paths = {c["target"]["path"] for c in document["animations"][0]["channels"]}
     assert paths == ({"weights", "rotation"} if follows else {"weights"})

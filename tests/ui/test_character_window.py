@@ -91,6 +91,19 @@ def test_the_checklist_waits_until_the_first_steps_are_read(
     assert checklist_of(window).isVisible()
 
 
+def test_the_checklist_says_how_to_see_a_character_that_was_opened_alone(
+    bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.window()
+    open_character(bench, window, head, monkeypatch)
+    checklist = checklist_of(window)
+    assert checklist.hint.startswith("Open a take to see the character")
+    window.commands.file.open(bench.take)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    assert checklist.hint.startswith("The control points are shown on the face")
+    assert overlay_of(window).isVisible()
+
+
 def test_a_character_that_cannot_be_read_leaves_the_old_one(
     bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

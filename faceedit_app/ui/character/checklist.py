@@ -23,6 +23,12 @@ from faceedit_app.ui.look.widgets import resize_on_screen
 
 _SIZE = (760, 640)
 _NOTES_HEIGHT = 130
+_POINTS = "The control points are shown on the face: drag one to correct it."
+_NO_FACE = "Open a take to see the character and its control points."
+_TABLE = (
+    "Double-click a shape to choose another, or a number to change how strongly the character "
+    "shows a channel; the take keeps its weights."
+)
 
 
 class CharacterChecklist(QDialog):
@@ -57,11 +63,6 @@ class CharacterChecklist(QDialog):
         notes.setFixedHeight(_NOTES_HEIGHT)
         self._hint = _text()
         self._hint.setObjectName("caption")
-        self._hint.setText(
-            "The control points are shown on the face: drag one to correct it. Double-click a "
-            "shape to choose another, or a number to change how strongly the character shows a "
-            "channel; the take keeps its weights."
-        )
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         self.save = QPushButton("Save map")
         buttons.addButton(self.save, QDialogButtonBox.ButtonRole.ActionRole)
@@ -72,18 +73,25 @@ class CharacterChecklist(QDialog):
         for part in (self._summary, self.only_noted, self.table, notes, self._hint, buttons):
             column.addWidget(part)
 
-    def show_character(self, character: FittedCharacter, is_changed: bool) -> None:
+    def show_character(self, character: FittedCharacter, is_changed: bool, is_drawn: bool) -> None:
         """Show a character.
 
         Args:
             is_changed: whether its map differs from what is saved.
+            is_drawn: whether its face is on the screen, which it is with a take.
         """
         self._character = character
         path = character.character.path
         self.setWindowTitle(f"Character: {path.name}")
         self.save.setEnabled(is_changed)
         self.save.setToolTip(f"Save your choices as {map_path(path).name}, beside the character")
+        self._hint.setText(f"{_POINTS if is_drawn else _NO_FACE} {_TABLE}")
         self._refresh()
+
+    @property
+    def hint(self) -> str:
+        """What can be done with the table and the points."""
+        return self._hint.text()
 
     @property
     def notes(self) -> str:
@@ -135,5 +143,7 @@ def _text() -> QLabel:
 
 
 def _sentence(text: str) -> str:
-    """A remark as a sentence."""
-    return f"{text[:1].upper()}{text[1:]}."
+    """A remark as a sentence; the name of a channel stays as it is."""
+    first, _, rest = text.partition(" ")
+    first = first if first in ARKIT_CHANNELS else f"{first[:1].upper()}{first[1:]}"
+    return f"{first} {rest}."

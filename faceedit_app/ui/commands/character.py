@@ -42,6 +42,7 @@ class CharacterCommands:
         self._is_refit = False  # the next character is the same one with another map
         self._awaits_hints = False  # the checklist, while the first steps are shown
         self._document.character_changed.connect(self._follow)
+        self._document.opened.connect(self._refresh)
 
     @property
     def is_shown(self) -> bool:
@@ -221,7 +222,8 @@ class CharacterCommands:
         character, checklist = self._document.character, self._checklist
         if character is None or checklist is None or not checklist.isVisible():
             return
-        checklist.show_character(character, is_changed=character.mapping != self._saved)
+        is_changed, is_drawn = character.mapping != self._saved, self._document.session is not None
+        checklist.show_character(character, is_changed, is_drawn)
         page = self._workspace.page
         if page is None:
             return
