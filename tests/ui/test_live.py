@@ -15,6 +15,7 @@ from faceedit_app.editing import recording
 from faceedit_app.formats.opening import open_take
 from faceedit_app.live.pose import Pose
 from faceedit_app.live.protocols import LOOPBACK, Receiver, Sender, find_protocol
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.page.live_dialog import LiveDialog, RecordDialog
 from faceedit_app.ui.start.window import MainWindow
 
@@ -97,9 +98,15 @@ def test_a_wrong_address_is_reported(bench: Bench) -> None:
     assert not window.actions_["live"].isChecked()
 
 
-def test_a_recorded_take_is_opened(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("has_edits", [False, True])
+def test_a_recorded_take_is_opened_unless_edits_are_kept(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, has_edits: bool
+) -> None:
     monkeypatch.setattr(recording.Recorder.__init__, "__defaults__", (LOOPBACK, None, ""))
-    window = bench.window()
+    window = bench.editing() if has_edits else bench.window()
+    if has_edits:
+        add_edit(window)
+        bench.answers["unsaved"] = dialogs.Unsaved.CANCEL
     path = bench.folder / "mine.csv"
     free = Receiver(LIVELINK, LOOPBACK, 0)
     port = free.address[1]
@@ -116,7 +123,10 @@ def test_a_recorded_take_is_opened(bench: Bench, monkeypatch: pytest.MonkeyPatch
     sender.close()
     bench.qtbot.waitUntil(lambda: "20 frames" in box.text())
     box.accept()
-    bench.qtbot.waitUntil(lambda: window.document.path == path)
+    assert window.status.currentMessage() == f"Recorded {path}" or not has_edits
+    if not has_edits:
+        bench.qtbot.waitUntil(lambda: window.document.path == path)
+    assert window.document.path == (bench.take if has_edits else path)
     np.testing.assert_array_equal(open_take(path).clip.arkit_weights(), np.tile(weights, (20, 1)))
 
 

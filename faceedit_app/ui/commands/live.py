@@ -164,6 +164,7 @@ class PhoneRecording(QObject):
         if recorder.error is not None:
             dialogs.show_error(self._workspace.window, recorder.error)
         if has_frames:
+            self._workspace.message.emit(f"Recorded {recorder.path}")  # it may not be opened
             self._open_take(recorder.path)
         elif recorder.error is None:
             self._workspace.message.emit("Nothing was received, so no take was written")
