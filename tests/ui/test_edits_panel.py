@@ -10,6 +10,7 @@ from PySide6.QtWidgets import (
     QApplication,
     QLineEdit,
     QSpinBox,
+    QToolTip,
     QWidget,
 )
 from support.curves import drag, turn
@@ -152,6 +153,8 @@ def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
         line.setText(typed)
         enter(line)
         assert (session.edits[1].start, session.edits[1].end) == expected
+        if typed == "nothing":
+            assert QToolTip.text().startswith("Type seconds, such as")
     window.actions_["unit_frames"].trigger()
     line = double_click(panel, 1, 100)
     assert isinstance(line, QLineEdit)

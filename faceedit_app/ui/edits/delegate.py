@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from functools import partial
 
 from PySide6.QtCore import (
     QAbstractItemModel,
@@ -14,6 +15,7 @@ from PySide6.QtCore import (
     QRectF,
     QSize,
     Qt,
+    QTimer,
 )
 from PySide6.QtGui import QColor, QFontMetrics, QMouseEvent, QPainter, QPainterPath, QPen, QPolygonF
 from PySide6.QtWidgets import (
@@ -229,8 +231,9 @@ class EditsDelegate(QStyledItemDelegate):
             try:
                 typed = model.typed_range(editor.text(), edit)
             except ValueError as error:
-                under = editor.mapToGlobal(editor.rect().bottomLeft())
-                QToolTip.showText(under, str(error), editor.parentWidget())
+                under, list_ = editor.mapToGlobal(editor.rect().bottomLeft()), editor.parentWidget()
+                show = partial(QToolTip.showText, under, str(error), list_)
+                QTimer.singleShot(0, list_, show)  # closing the field hides tooltips
                 return
             if typed != (edit.start, edit.end):
                 model.setData(place, typed, RANGE)
