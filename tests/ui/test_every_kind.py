@@ -36,7 +36,8 @@ def exported(bench: Bench, window: MainWindow, name: str) -> Path:
     out = bench.folder / f"{name}{open_path(window).suffix}"
     bench.answers["export"] = out
     trigger(window, "export")
-    bench.qtbot.waitUntil(out.exists, timeout=20_000)
+    unfinished = window.workspace.unfinished  # else the next export would be refused
+    bench.qtbot.waitUntil(lambda: out.exists() and not unfinished.names, timeout=20_000)
     assert bench.errors == []
     return out
 

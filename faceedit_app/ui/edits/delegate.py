@@ -232,6 +232,7 @@ class EditsDelegate(QStyledItemDelegate):
                 typed = model.typed_range(editor.text(), edit)
             except ValueError as error:
                 under, list_ = editor.mapToGlobal(editor.rect().bottomLeft()), editor.parentWidget()
+                assert list_ is not None
                 show = partial(QToolTip.showText, under, str(error), list_)
                 QTimer.singleShot(0, list_, show)  # closing the field hides tooltips
                 return
