@@ -115,7 +115,8 @@ def test_a_missing_companion_makes_the_jaw_pay_little(
     gone: str, take_with: Callable[..., Take], engine: Engine
 ) -> None:
     moved = answer(take_with(*missing(gone)), engine, WIDER)
-    assert moved["jawOpen"].max() < 0.1
+    # As far as the opening of the lips needs it, from which a funnel goes.
+    assert moved["jawOpen"].max() < 0.12
 
 
 @pytest.mark.parametrize(

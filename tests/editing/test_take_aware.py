@@ -132,6 +132,34 @@ def test_a_blink_moves_the_brows_as_blinks_do_and_not_as_grimaces(falloff: float
     assert np.abs(moved_by).max() < 1.0  # nine of ten blinks of people move them by less
 
 
+@pytest.mark.parametrize(
+    ("controls", "value", "unused"),
+    [
+        (("mouth_width",), -6.0, ("mouthPucker", "mouthFunnel")),
+        (MOUTH_CORNERS, 3.0, ("mouthSmile", "mouthStretch")),
+    ],
+)
+def test_a_mouth_does_not_open_for_a_shape_that_the_take_never_makes(
+    controls: tuple[str, ...], value: float, unused: tuple[str, ...]
+) -> None:
+    session = session_on(without(demo(), *unused))
+    session.add(offset(*controls, value=value))
+    change = session.achieved - session.tracked
+    columns = [CONTROL_INDEX[c] for c in controls]
+    reached = change[held(session, 2.0, 4.0)][:, columns].mean()
+    assert reached == pytest.approx(value, abs=0.5)
+    assert np.abs(change[:, MOUTH]).max() < 2.0  # it was 5 and 15
+
+
+def test_one_corner_of_the_mouth_rises_without_the_other() -> None:
+    session = session_on(demo())
+    session.add(offset(MOUTH_CORNERS[0], value=3.0))
+    change = (session.achieved - session.tracked)[held(session, 2.0, 4.0)]
+    mine, other = (change[:, CONTROL_INDEX[c]].mean() for c in MOUTH_CORNERS)
+    assert mine == pytest.approx(3.0, abs=0.2)
+    assert abs(other) < 1.0
+
+
 @pytest.mark.parametrize("at", [2.6, 3.4, 5.0, 6.4])
 def test_closed_lips_are_the_takes_own_and_do_not_frown(at: float) -> None:
     session = session_on(demo())

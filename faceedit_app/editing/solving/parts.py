@@ -34,7 +34,7 @@ from faceedit_app.editing.solving.calming import Calmed
 from faceedit_app.editing.solving.completing import Completing
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
-from faceedit_app.editing.solving.reach import Reach
+from faceedit_app.editing.solving.reach import FREE_MM, HELD_MM, PARTED_MM, Reach
 from faceedit_app.editing.solving.take_statistics import IDLE, TakeStatistics
 
 if TYPE_CHECKING:  # the window is there before the networks
@@ -113,6 +113,7 @@ class Part:
         self._model = engine.models[region.id].description if engine and answered else None
         self.own = tuple(name for name in region.own if name not in missing)
         self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
+        self._lips = [i for i, name in enumerate(self.own) if control_named(name).expressive]
         self._distances = distances.select(self.own_columns)
         heard = self._model.controls if self._model else region.controls
         self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
@@ -268,6 +269,17 @@ class Part:
         if not self.is_optional:
             return settings
         return replace(settings, mode=Mode.PRESERVE, naturalness=0.0, reach=1.0)
+
+    def free(self, asked: Bools) -> Doubles:
+        """(N, C) mm by which its own controls may give way to those that edits ask for (N, C).
+
+        What can touch is held, and so is the other side of the face. But a lip that moves parts
+        the lips.
+        """
+        free = np.where(asked[:, self.expectation.mirror], HELD_MM, FREE_MM)
+        by_lips = asked[:, self._lips].any(axis=1)
+        free[:, self.expectation.held] = np.where(by_lips, PARTED_MM, HELD_MM)[:, None]
+        return free
 
     def beyond(self, wanted: Doubles, hold: Doubles) -> Doubles:
         """(N,) in 0..1: how far a request leaves what the take does, see `TakeStatistics.bounds`.

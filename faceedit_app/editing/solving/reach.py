@@ -27,8 +27,11 @@ SETTLED = 2e-3
 MET = 0.1
 # Or if a step has brought it this little nearer, as a share of what was left.
 GAIN = 0.1
-# Precision of controls that were asked for, and how much the others may give way, mm.
+# Precision of controls that were asked for, and how much the others may give way, mm: those that
+# are held, those that are held but for what moves them by itself, and the rest.
 ASKED_MM = 0.05
+HELD_MM = 0.4
+PARTED_MM = 0.7
 FREE_MM = 1.5
 # mm that a control may lack before the search is repeated from the other side.
 MISSED_MM = 1.0
@@ -50,6 +53,7 @@ class Goal:
         tolerance: (N, C) mm that a control may miss its target by, added to what all may.
         firm: (N, C) in 0..1, how firmly a control is asked for beside the firmest of its frame:
             one whose edit only begins gives way to one whose edit acts in full.
+        free: (N, C) mm by which a control that was not asked for may give way.
     """
 
     targets: Doubles
@@ -57,11 +61,12 @@ class Goal:
     asked: Bools
     tolerance: Doubles | float = 0.0
     firm: Doubles | float = 1.0
+    free: Doubles | float = FREE_MM
 
     @property
     def noise(self) -> Doubles:
         """(N, C) mm², how exactly each target has to be met."""
-        noise = np.where(self.asked, ASKED_MM**2, FREE_MM**2)
+        noise = np.where(self.asked, ASKED_MM**2, np.square(self.free))
         if not isinstance(self.firm, float):
             soft = self.asked & (self.firm < 1.0)
             noise[soft] = (FREE_MM * (ASKED_MM / FREE_MM) ** self.firm[soft]) ** 2
@@ -73,11 +78,13 @@ class Goal:
 
     def at(self, rows: Indices) -> Goal:
         """The goal on some of the frames."""
-        tolerance, firm = (
+        tolerance, firm, free = (
             value if isinstance(value, float) else value[rows]
-            for value in (self.tolerance, self.firm)
+            for value in (self.tolerance, self.firm, self.free)
         )
-        return Goal(self.targets[rows], self.strength[rows], self.asked[rows], tolerance, firm)
+        return Goal(
+            self.targets[rows], self.strength[rows], self.asked[rows], tolerance, firm, free
+        )
 
 
 class Reach:
