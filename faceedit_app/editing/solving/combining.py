@@ -280,7 +280,7 @@ class Combining:
         return _Aim(
             here=weights[where],
             vectors=vectors[where],
-            goal=Goal(wanted, strength, mask, tolerance, firm, self._part.free(mask)),
+            goal=Goal(wanted, strength, mask, tolerance, firm, self._part.free(hold / firmest)),
             still=self._part.of_take(asked.influence[where]) == 0,
             least=limits[0][where],
             most=limits[1][where],

@@ -270,15 +270,20 @@ class Part:
             return settings
         return replace(settings, mode=Mode.PRESERVE, naturalness=0.0, reach=1.0)
 
-    def free(self, asked: Bools) -> Doubles:
-        """(N, C) mm by which its own controls may give way to those that edits ask for (N, C).
+    def free(self, firm: Doubles) -> Doubles:
+        """(N, C) mm by which its own controls may give way to those that edits ask for.
 
         What can touch is held, and so is the other side of the face. But a lip that moves parts
         the lips.
+
+        Args:
+            firm: (N, C) in 0..1, how firmly each control is asked for, see `Goal`.
         """
-        free = np.where(asked[:, self.expectation.mirror], HELD_MM, FREE_MM)
-        by_lips = asked[:, self._lips].any(axis=1)
-        free[:, self.expectation.held] = np.where(by_lips, PARTED_MM, HELD_MM)[:, None]
+        mirror = self.expectation.mirror
+        other = firm[:, mirror] * (mirror != np.arange(len(mirror)))
+        free: Doubles = FREE_MM + other * (HELD_MM - FREE_MM)
+        by_lips = firm[:, self._lips].max(axis=1, initial=0.0)
+        free[:, self.expectation.held] = (HELD_MM + by_lips * (PARTED_MM - HELD_MM))[:, None]
         return free
 
     def beyond(self, wanted: Doubles, hold: Doubles) -> Doubles:

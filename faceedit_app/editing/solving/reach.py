@@ -69,7 +69,8 @@ class Goal:
         noise = np.where(self.asked, ASKED_MM**2, np.square(self.free))
         if not isinstance(self.firm, float):
             soft = self.asked & (self.firm < 1.0)
-            noise[soft] = (FREE_MM * (ASKED_MM / FREE_MM) ** self.firm[soft]) ** 2
+            free = self.free if isinstance(self.free, float) else self.free[soft]
+            noise[soft] = (free * (ASKED_MM / free) ** self.firm[soft]) ** 2
         return noise + np.square(self.tolerance)
 
     def targets_from(self, lengths: Doubles) -> Doubles:
