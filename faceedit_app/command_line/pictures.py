@@ -144,3 +144,5 @@ def _film(
         )
     assert filmed is not None  # nothing stops it
     say(f"{output}: {filmed.frames} pictures at {format_rate(filmed.rate)}, {filmed.codecs}")
+    if filmed.size != shot.size:
+        say(f"  {filmed.size[0]} x {filmed.size[1]} pixels, because films have even sides")

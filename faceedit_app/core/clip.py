@@ -9,6 +9,8 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats, Times
 
+UNSURE = 0.8  # confidence below which the tracker may be wrong; below 0.5 it is a gap
+
 
 @dataclass(frozen=True)
 class Gap:

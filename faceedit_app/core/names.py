@@ -5,7 +5,7 @@ Tools spell one shape `eyeBlinkLeft`, `EyeBlinkLeft`, `eyeBlink_L`, `EYE_BLINK_L
 `head_ARKit_eyeBlinkLeft`, `weights[eyeBlinkLeft]`, `key_blocks["eyeBlinkLeft"].value` or
 `eyeBlinkLeft.value`.
 A name is split into words, namespaces and the usual prefixes are dropped, and a word for a side
-at either end becomes the side. Names are never compared by similarity: if the rules do not lead to
+at either end becomes the side. Names are never read by similarity: if the rules do not lead to
 an ARKit name, there is none. `characters.names` builds on this: a character's shapes may be halves
 or both sides of a channel, and have names that no take has.
 """
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
+from difflib import get_close_matches
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
@@ -33,6 +34,7 @@ _PREFIX = re.compile(
     re.IGNORECASE,
 )
 _BETWEEN_WORDS = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_POINTS = re.compile(r"[.:|/]+")
 _BETWEEN_PARTS = re.compile(r"[\W_]+")
 _SHARED = 4  # names that make a beginning or an end one of the file's
 _MOST_NAMES = 500  # that are searched for such a beginning or end
@@ -42,6 +44,7 @@ _LONGEST = 200  # characters; a longer text is not a name
 _NUMBER_WORDS = {
     *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
 }
+_SIMILAR = 0.85  # the similarity of a name with one wrong letter, 0 to 1
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 
@@ -50,10 +53,34 @@ def canonical_channel(name: str) -> str | None:
     if len(name) > _LONGEST:
         return None
     found = _BY_KEY.get(_key(name))
-    brackets = None if found else _BRACKETS.fullmatch(name.strip())
-    if brackets is None:
+    if found is not None:
         return found
+    brackets = _BRACKETS.fullmatch(name.strip())
+    if brackets is None:
+        return _joined(name)
     return _BY_KEY.get(_key(brackets["inside"])) or _BY_KEY.get(_key(brackets["before"]))
+
+
+def _joined(name: str) -> str | None:
+    """The ARKit name of words that points join, such as `face.jaw.open`, or None."""
+    words = _POINTS.split(name.strip())[-_MOST_MARKS:]
+    for start in range(len(words) - 2, -1, -1):
+        found = _BY_KEY.get(_key("_".join(words[start:])))
+        if found is not None:
+            return found
+    return None
+
+
+def similar_channel(name: str, channels: Iterable[str]) -> str | None:
+    """The one of some ARKit names that was probably meant by a name with a typing error, or None.
+
+    Only for messages: no take is read by it.
+    """
+    if len(name) > _LONGEST:
+        return None
+    keys = {_key(channel): channel for channel in channels}
+    close = get_close_matches(_key(name), keys, 1, _SIMILAR)
+    return keys[close[0]] if close else None
 
 
 def _key(name: str) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
 from faceedit_app.core.arrays import Floats
@@ -220,7 +222,7 @@ def export_take(
         FaceEditError: the format cannot be written at this frame rate.
     """
     options = options or Options()
-    kind = form.kind
+    kind, straight = form.kind, False
     if isinstance(kind, registry.Format):
         same = kind.name == take.kind and options.rate in (None, take.clip.rate)
         if kind.write is None and not same:
@@ -256,11 +258,16 @@ def export_take(
             options.follows_head,
         )
         turns = options.follows_head and clip.rotations is not None
-        lost = tuple(name for name in take.carried if not (turns and name.lower() in _HEAD))
+        lost = tuple(name for name in take.carried if name.lower() not in _HEAD)
+        straight = clip.rotations is not None and not turns and bool(np.any(clip.rotations[:, :3]))
     check(stopped)
     backup = make_way(path, take.path, options.overwrite)
     write_atomically(path, content)
-    remarks = (f"left out because they are not channels: {', '.join(lost)}",) if lost else ()
+    remarks: tuple[str, ...] = ()
+    if lost:
+        remarks = (f"left out because they are not channels: {', '.join(lost)}",)
+    if straight:
+        remarks += ("the head is straight; Follow the head (--follow-head) turns it as recorded",)
     return Exported(path, form, clip, remarks, backup)
 
 

@@ -92,6 +92,7 @@ class Filmed:
         frames: the number of pictures.
         rate: pictures per second.
         codecs: the names of its encoders.
+        size: its width and height, pixels; even, as encoders want them.
     """
 
     path: Path
@@ -99,6 +100,7 @@ class Filmed:
     frames: int
     rate: float
     codecs: str
+    size: tuple[int, int]
 
 
 def media_of(take: Take, sound: Path | None = None, film: Path | None = None) -> Placement:
@@ -189,7 +191,7 @@ def film_take(
                     progress(number + 1, len(edited))
         except Abandoned:
             return None
-    return Filmed(path, form, len(edited), rate, out.codecs)
+    return Filmed(path, form, len(edited), rate, out.codecs, size)
 
 
 def shown_by(session: EditSession) -> tuple[Take, Floats, Floats | None]:

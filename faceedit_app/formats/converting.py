@@ -11,12 +11,12 @@ from faceedit_app.core.arrays import Bools, Floats, Times
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resample import at_rate
+from faceedit_app.formats.gaps import find_gaps
 from faceedit_app.formats.opening import encoded_take
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import LostRows, Source, Take
 from faceedit_app.formats.timecode import start_of_day, write_timecode
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
-from faceedit_app.formats.timing import find_gaps
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import NumberFormat, detect_format
+from faceedit_app.formats.numbers import NumberFormat, detect_format, shortest
 
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
@@ -122,13 +122,14 @@ class CsvSource:
         out = list(self.table.lines)
         if len(touched):
             write = self._writer(columns, scale)
-            for row in touched.tolist():
+            for row, numbers in zip(
+                touched.tolist(), shortest(edited[touched]) * scale, strict=True
+            ):
                 line = self.lines[row]
                 cells = self.table.cells(line)
                 for k in np.flatnonzero(changed[row]).tolist():
                     column = columns[k]
-                    number = write(float(edited[row, k]) * scale)
-                    cells[column] = _replaced(cells[column], number)
+                    cells[column] = _replaced(cells[column], write(float(numbers[k])))
                 text = self.table.delimiter.join(cells)
                 old = self.table.lines[line]
                 out[line] = text + old[len(old.rstrip(b"\r\n")) :]
@@ -145,7 +146,7 @@ class CsvSource:
         """
         write = self._writer(self.columns, self.scale)
         out, frames = list(self.table.lines), np.array(self.lines)
-        for line, row in zip(self.lost, weights, strict=True):
+        for line, row in zip(self.lost, shortest(weights), strict=True):
             if not np.isfinite(row).all():
                 continue
             before = self.lines[int(np.searchsorted(frames, line)) - 1]

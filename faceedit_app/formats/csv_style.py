@@ -12,6 +12,7 @@ from faceedit_app.formats.csv_take import confidence_cells
 from faceedit_app.formats.encodings import RecodedSource
 from faceedit_app.formats.files import BOM
 from faceedit_app.formats.lost_faces import CONFIDENCE
+from faceedit_app.formats.numbers import shortest
 from faceedit_app.formats.take import Source
 
 _SECONDS = b"time_s"
@@ -32,7 +33,7 @@ def write_like(source: Source, clip: Clip) -> bytes | None:
     head += [names[column] for column in source.columns]
     rows = [
         [_time(time, table.decimal), *(write(weight * source.scale) + sign for weight in row)]
-        for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True)
+        for time, row in zip(clip.times.tolist(), shortest(clip.weights).tolist(), strict=True)
     ]
     if clip.confidence is not None:
         head.append(CONFIDENCE.encode())

@@ -15,7 +15,14 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
-from faceedit_app.formats.csv_table import Rows, Table, first_rows, plain_text, read_table
+from faceedit_app.formats.csv_table import (
+    Rows,
+    Table,
+    first_rows,
+    is_number,
+    plain_text,
+    read_table,
+)
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.lost_faces import (
@@ -163,7 +170,7 @@ def csv_take(
     columns = found.without(empty.tolist())
     times = _times(table, places, rows)
     used = {times.column, places.said, *columns.indices}
-    carried = [name for k, name in enumerate(table.names) if k not in used]
+    carried = {k: name for k, name in enumerate(table.names) if k not in used}
     frames = np.flatnonzero(~rows.lost)
     stated = rate_in_table(table, partial(places.cells, rows))
     scale, scale_notes = _scale(table, columns, rows)
@@ -175,11 +182,12 @@ def csv_take(
         timing=settled(times.timing, stated, frames),
         lost=rows.lost,
         timecodes=_timecodes(places, rows, times),
-        carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried),
+        carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried.values()),
         notes=(
             *faces,
             *(_name_notes(table, found) if naming is None else ()),
             *_empty_notes(found, columns),
+            *_nameless_notes(table, rows, [k for k, name in carried.items() if not name]),
             *scale_notes,
             *_count_notes(table, places, rows),
         ),
@@ -316,6 +324,15 @@ def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
     if not empty or not filled.channels:
         return ()
     return (f"no row has a number for {', '.join(empty)}: carried",)
+
+
+def _nameless_notes(table: Table, rows: Rows, columns: list[int]) -> tuple[str, ...]:
+    """The note about columns of numbers without a name; one alone may be the number of the row."""
+    first = table.cells(rows.lines[0]) if rows.lines else []
+    filled = [k for k in columns if k < len(first) and is_number(table.text(first[k]))]
+    if len(filled) < 2:
+        return ()
+    return (f"{len(filled)} columns of numbers have no name: carried",)
 
 
 def _count_notes(table: Table, places: _Places, rows: Rows) -> tuple[str, ...]:

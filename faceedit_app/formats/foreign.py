@@ -12,6 +12,11 @@ from faceedit_app.formats.csv_table import first_rows, plain_text
 _HEAD = 1 << 16
 _FEWEST_COLUMNS = 5  # columns of unnamed numbers that look like a face
 _MATRIX = re.compile(rb"\s*\[\s*\[\s*-?[0-9]")
+_EMPTY_NAME = re.compile(
+    r"(?:unnamed:?|column|col|field|feature|value|var|dim|param|blend_?shape|shape|[a-z]{1,2})?"
+    r"[ _]*\d*",
+    re.IGNORECASE,
+)
 _ACTION_UNIT = re.compile(rb"^[^\n]*\bAU\d\d(?:_[rc])?\b[^\n]*\bAU\d\d", re.MULTILINE)
 _GLTF = re.compile(rb'\s*\{.*"asset"\s*:\s*\{[^}]*"version"', re.DOTALL)
 _PICKLE = re.compile(rb"\x80[\x02-\x05].*\.", re.DOTALL)
@@ -67,10 +72,12 @@ def _is_number(cell: bytes) -> bool:
 
 
 def _is_nameless(content: bytes) -> bool:
-    """A table of numbers that begins with a row of numbers."""
+    """A table of numbers that begins with a row of numbers, or with names that say nothing."""
     names, row = first_rows(content)
-    cells = [name.encode() for name in names]
-    return len(cells) >= _FEWEST_COLUMNS and all(map(_is_number, [*cells, *row]))
+    if len(names) < _FEWEST_COLUMNS or not row or not all(map(_is_number, row)):
+        return False
+    is_data = all(_is_number(name.encode()) for name in names)
+    return is_data or sum(1 for name in names if _EMPTY_NAME.fullmatch(name)) > len(names) // 2
 
 
 def _is_spaced(content: bytes) -> bool:

@@ -23,7 +23,7 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import detect_format
+from faceedit_app.formats.numbers import detect_format, shortest
 
 # Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
@@ -207,7 +207,7 @@ class JsonSource:
         changed = (tracked != edited) & (self.places >= 0)
         where, numbers = self._sure_numbers()
         if changed.any():
-            values = edited[changed].astype(np.float64) * self.scale
+            values = shortest(edited[changed]) * self.scale
             write = detect_format(self._sample(), self.scale).write
             where = np.concatenate([where, self.places[changed]])
             numbers = [*numbers, *(write(value) for value in values.tolist())]

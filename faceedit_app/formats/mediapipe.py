@@ -16,7 +16,11 @@ from faceedit_app.formats.named_weights import read_named
 from faceedit_app.formats.take import Take
 
 FORMAT = "MediaPipe JSON"
-_FRAME = re.compile(rb'"(?:(?:face_?)?blend_?shapes|categories)"\s*:\s*[\[{]', re.IGNORECASE)
+_FRAME = re.compile(
+    rb'"(?:face_?blend_?shapes|categories)"\s*:\s*[\[{]'
+    rb'|"blend_?shapes"\s*:\s*\[\s*\{[^{}]*"score"|"value"\s*:\s*\{[^{}]*"blend_?shapes"\s*:\s*\{',
+    re.IGNORECASE,
+)
 
 
 def sniff(content: bytes) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.formats.numbers import NumberFormat, detect_format
+from faceedit_app.formats.numbers import NumberFormat, detect_format, shortest
 
 _FORMAT_SAMPLE = 10_000
 WHOLE = NumberFormat(0, padded=True)
@@ -41,7 +41,7 @@ class SpanSource:
         changed = tracked != edited
         if not changed.any():
             return self.content
-        spans, values = self.spans[changed], edited[changed].astype(np.float64) * self.scale
+        spans, values = self.spans[changed], shortest(edited[changed]) * self.scale
         spans = np.concatenate([spans, *(copy[changed] for copy in self.copies)])
         values = np.tile(values, 1 + len(self.copies))
         spans, values = spans[spans[:, 0] >= 0], values[spans[:, 0] >= 0]

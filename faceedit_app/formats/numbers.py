@@ -8,11 +8,15 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from faceedit_app.formats.weights import BYTES, PERMILLE
+import numpy as np
+
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.formats.weights import BYTES, PERCENT, PERMILLE
 
 # Coarser than this, an edited curve would move in visible steps.
 _LEAST_PADDED, _LEAST_TRIMMED = 4, 6
 _MOST_TRIMMED = 9  # the digits that float32 needs
+_FEWEST = 4  # digits that changed weights have
 _NUMBER = re.compile(rb"[+-]?\d*(?:\.(\d*))?([eE][+-]?\d+)?")
 
 
@@ -43,6 +47,18 @@ class NumberFormat:
         return text.encode()
 
 
+def shortest(weights: Floats) -> Doubles:
+    """The decimal numbers with the fewest digits that single precision keeps as these weights."""
+    found = weights.astype(np.float64)
+    rest = np.ones(found.shape, bool)
+    for decimals in range(_FEWEST, _MOST_TRIMMED):
+        short = np.round(found, decimals)
+        fits = rest & (short.astype(np.float32) == weights)
+        found[fits] = short[fits]
+        rest &= ~fits
+    return found
+
+
 def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
     """Detect the number format from a sample of a file's numbers.
 
@@ -68,6 +84,8 @@ def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
     exponent = max(exponents, key=lambda key: exponents[key], default="")
     if exponent:
         return NumberFormat(max(most, _LEAST_TRIMMED), True, exponent)
+    if scale == PERCENT and len(decimals) == 1:  # all percentages have as many decimals
+        return NumberFormat(max(most, _LEAST_PADDED - fewer), True)
     # Some programs write exact zeros and ones shorter than the rest (`0`, `0.0`).
     padded = most > 1 and decimals[most] + decimals[0] + decimals[1] == total
     padded = padded and decimals[most] > 1 and 10 * decimals[most] > total

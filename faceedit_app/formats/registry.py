@@ -10,8 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.names import similar_channel
 from faceedit_app.formats import (
     audio2face,
     azure_speech,
@@ -30,8 +32,9 @@ from faceedit_app.formats import (
     unity_clip,
     usd_text,
 )
+from faceedit_app.formats.csv_table import first_rows
 from faceedit_app.formats.encodings import as_utf8
-from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes
+from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes, shown
 from faceedit_app.formats.foreign import recognise_foreign
 from faceedit_app.formats.other_readers import is_plain_csv, is_plain_livelink
 from faceedit_app.formats.take import Source, Take
@@ -149,6 +152,10 @@ def recognise(path: Path, content: bytes) -> Format:
     line = 1 + next(
         k for k, text in enumerate(content.removeprefix(BOM).splitlines()) if text.strip()
     )
+    for name in first_rows(content)[0]:
+        if meant := similar_channel(name, ARKIT_CHANNELS):
+            problem = f'holds no ARKit channel, but "{shown(name)}"'
+            raise FileError(path, problem, f"if {meant} is meant, correct the name", line)
     raise FileError(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
 
 

@@ -9,28 +9,35 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Bools, Doubles, Floats
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.names import canonical_channel, similar_channel
+from faceedit_app.formats.changing_rates import stretches
+from faceedit_app.formats.files import shown
+from faceedit_app.formats.gaps import find_gaps, gap_notes, lost_notes
 from faceedit_app.formats.lost_faces import blank_notes
 from faceedit_app.formats.timing import (
     NoTimes,
     RateNeeded,
     Timing,
-    find_gaps,
+    counted,
     format_rate,
     format_time,
-    gap_notes,
-    lost_notes,
 )
 from faceedit_app.formats.weights import (
     first_impossible,
     impossible,
     mixed_notes,
+    odd_notes,
     scale_notes,
     scale_of,
 )
 
+_MOST_NAMES = 500  # that are compared with those of channels
+_RESOLUTION = 1e-3  # seconds
+_MOST_SHOWN = 4  # rates in a note
 _LONGEST = 24 * 3600.0  # seconds
 
 
@@ -173,6 +180,11 @@ def finish_take(
         raise FileError(path, problem, "correct it or delete the row", line_of(frame, k))
     timing = _timing(recording, fps)
     gaps = find_gaps(timing.times, timing.rate)
+
+    def place(frame: int, k: int) -> str:
+        line = line_of(frame, k)
+        return f"at {format_time(timing.times[frame])}" if line is None else f"in line {line}"
+
     clip = Clip(
         weights=(values / scale).astype(np.float32),
         channels=recording.channels,
@@ -186,14 +198,53 @@ def finish_take(
     notes = (
         *recording.notes,
         *timing.notes,
+        *_rate_notes(timing),
         *gap_notes(gaps),
         *lost_notes(recording.lost),
         *blank_notes(clip.weights),
         *scale_notes(scale),
         *mixed_notes(values, scale, recording.channels),
+        *odd_notes(values, scale, recording.channels, place),
+        *_misspelled_notes(recording),
+        *_unsure_notes(recording.confidence),
     )
     carried = recording.carried
     return Take(path, recording.format, clip, carried, notes, source(scale), fps)
+
+
+def _rate_notes(timing: Timing) -> tuple[str, ...]:
+    """The note about a frame rate that changes in the take."""
+    found = stretches(timing.times, _RESOLUTION)
+    if not found:
+        return ()
+    until = [
+        f"{format_rate(one.rate)} until {format_time(timing.times[one.last])}" for one in found
+    ]
+    parts = [*until[:-1], f"then {format_rate(found[-1].rate)}"]
+    if len(parts) > _MOST_SHOWN:
+        parts[_MOST_SHOWN - 1 :] = [f"then {len(found) - _MOST_SHOWN + 1} times another"]
+    return (f"the frame rate changes: {', '.join(parts)}",)
+
+
+def _unsure_notes(confidence: Floats | None) -> tuple[str, ...]:
+    """The note that counts the frames of which the tracker was not sure."""
+    count = 0 if confidence is None else int((confidence < UNSURE).sum())
+    if not count:
+        return ()
+    return (f"the tracker was less than {100 * UNSURE:.0f} % sure of {counted(count, 'frame')}",)
+
+
+def _misspelled_notes(recording: Recording) -> tuple[str, ...]:
+    """The note about columns whose names resemble those of channels that the file lacks."""
+    missing = [name for name in ARKIT_CHANNELS if name not in recording.channels]
+    others = [name for name in recording.carried if canonical_channel(name) is None]
+    found = ((name, similar_channel(name, missing)) for name in others[:_MOST_NAMES])
+    likely = [f'"{shown(name)}" ({meant})' for name, meant in found if meant is not None]
+    if not likely:
+        return ()
+    more = f" and {len(likely) - 3} more" if len(likely) > 3 else ""
+    listed = ", ".join(likely[:3])
+    return (f"carried, although a channel may be meant: {listed}{more}",)
 
 
 def _timing(recording: Recording, fps: float | None) -> Timing:

@@ -322,7 +322,8 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
     if _counts_frames(steps, words, named):
         counts = _COUNT_WORDS | _PICTURE_WORDS
         likely = DEFAULT_RATE if counts.isdisjoint(words) else _FILM_RATE
-        problem = f'numbers its frames in "{shown(name)}" and does not say how many make a second'
+        where = f'"{shown(name)}"' if name else "a column without a name"
+        problem = f"numbers its frames in {where} and does not say how many make a second"
         typical = float(np.median(steps[steps > 0]))
         raise NoTimes(problem, likely, values / typical if np.all(steps > 0) else None)
     # If times repeat, the clock is slower than the rows.
@@ -330,7 +331,8 @@ def number_times(values: Times, name: str) -> tuple[str, Timing]:
     is_ticks = any(low < values[0] < high for low, high in (_SINCE_1601, _SINCE_1))
     unit = _unit(step, _TICKS if is_ticks else named)
     if unit is None:
-        raise NoTimes(f'has times in "{shown(name)}" that step by {step:g}')
+        where = f'"{shown(name)}"' if name else "a column without a name"
+        raise NoTimes(f"has times in {where} that step by {step:g}")
     timing = time_rows(values * _UNITS[unit])
     kind = "seconds" if unit == "seconds" else "number"
     if unit == (named or "seconds"):

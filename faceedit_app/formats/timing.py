@@ -1,4 +1,4 @@
-"""From the times of a file's rows to a frame rate, even times and gaps."""
+"""From the times of a file's rows to a frame rate and even times."""
 
 from __future__ import annotations
 
@@ -9,15 +9,19 @@ from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.core.arrays import Bools, Indices, Times
-from faceedit_app.core.clip import Gap
+from faceedit_app.core.arrays import Indices, Times
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.changing_rates import (
+    evened_stretches,
+    stretches,
+    usual_rate,
+)
 from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.uneven import evened, is_uneven
 
 DEFAULT_RATE = 60.0
 SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; other rates are impossible
-_GAP = 1.5  # steps of at least this many frames have a frame missing
+_USUAL = 0.5  # share of the usual step by which others of about one frame differ
 _BREAK = 3  # after a step of this many frames the phase may be another
 _SHORT = 8  # steps; fewer do not show which is the usual one
 _OFF = 0.05  # share of a step by which its multiples may be off
@@ -141,9 +145,13 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
     if not np.any(steps > 0):
         raise NoTimes("has the same time in every row")
     together = np.any(steps == 0) and not np.any(steps < 0)
-    if together and is_uneven(steps[steps > 0], typical_step(steps)) and (found := evened(steps)):
-        return _uneven(*found, notes)
+    if together and is_uneven(steps[steps > 0], typical_step(steps)) and (came := evened(steps)):
+        return _uneven(*came, notes)
     repeats = _check_order(steps)
+    found = [] if repeats else stretches(seconds) or stretches(seconds, resolution)
+    if found:
+        times = evened_stretches(seconds, found, 1.01 * resolution + noise)
+        return Timing(times - times[0], usual_rate(found), notes)
     frames, period, uncertainty = _count_frames(seconds, steps, resolution, repeats)
     if not SLOWEST <= 1 / period <= FASTEST:
         raise NoTimes(f"has times that step by {period:g} s")
@@ -159,8 +167,8 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
         even = _even(seconds, frames, period, slack)
     if even is None and repeats:
         raise NoTimes("has times that do not run forward")
-    if even is None and is_uneven(steps, period) and (found := evened(steps)):
-        return _uneven(*found, notes)
+    if even is None and is_uneven(steps, period) and (came := evened(steps)):
+        return _uneven(*came, notes)
     if rate is None:
         rate = 1 / period
         notes = (*notes, unusual_rate(rate))
@@ -347,37 +355,8 @@ def typical_step(steps: Times) -> float:
     """
     median = float(np.median(steps[steps > 0]))
     # As far below as above, or jitter would make the mean too large.
-    usual = steps[np.abs(steps - median) < (_GAP - 1) * median]
+    usual = steps[np.abs(steps - median) < _USUAL * median]
     return float(usual.mean()) if len(usual) else median
-
-
-def find_gaps(times: Times, rate: float) -> tuple[Gap, ...]:
-    """Where at least one frame is missing.
-
-    Args:
-        times: (T,) seconds, increasing.
-        rate: frames per second.
-    """
-    steps = np.diff(times) * rate
-    where = np.flatnonzero(steps >= _GAP)
-    return tuple(Gap(int(i), max(1, round(float(steps[i])) - 1)) for i in where)
-
-
-def gap_notes(gaps: tuple[Gap, ...]) -> tuple[str, ...]:
-    """A note with the number of gaps and missing frames; none if there are no gaps."""
-    if not gaps:
-        return ()
-    missing = sum(gap.missing for gap in gaps)
-    return (f"{counted(len(gaps), 'gap')}, {counted(missing, 'frame')} missing",)
-
-
-def lost_notes(lost: Bools) -> tuple[str, ...]:
-    """A note that counts the rows without a face (R,); none if there are none."""
-    if not lost.any():
-        return ()
-    places = int((lost & ~np.concatenate([[False], lost[:-1]])).sum())
-    what, where = counted(int(lost.sum()), "row"), counted(places, "place")
-    return (f"the face was lost in {what} at {where}: no frames there, the rows are kept",)
 
 
 def counted(number: int, noun: str) -> str:

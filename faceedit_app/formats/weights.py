@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ _BYTES_NOTE = "the weights run from 0 to 255: read as such, and written as such"
 # Trackers exceed 1 by a few hundredths, exaggerated takes by a factor; beyond that it is damage.
 LARGEST = 10.0
 _TWICE = 2.0
+_FAR, _BELOW = 1.5, -0.02  # full blendshapes that a tracker does not go beyond
 PERMILLE = 1000.0
 _PERMILLE_NOTE = "the weights run from 0 to 1000: read as such, and written as such"
 _BEYOND_PERCENT = 150.0  # whole numbers that go this far are bytes
@@ -70,8 +71,43 @@ def mixed_notes(values: NDArray[Any], scale: float, channels: Sequence[str]) -> 
     small = [channels[k] for k in np.flatnonzero(moving & (sizes.max(axis=0) <= 1)).tolist()]
     if not small:
         return ()
-    more = f" and {len(small) - 1} more" if len(small) > 1 else ""
-    return (f"{small[0]}{more} never passes 1 %: correct the file if it runs from 0 to 1",)
+    if len(small) == 1:
+        return (f"{small[0]} never passes 1 %: correct the file if it runs from 0 to 1",)
+    several = f"{small[0]} and {len(small) - 1} more"
+    return (f"{several} never pass 1 %: correct the file if they run from 0 to 1",)
+
+
+def odd_notes(
+    values: NDArray[Any], scale: float, channels: Sequence[str], place: Callable[[int, int], str]
+) -> tuple[str, ...]:
+    """The notes about weights far above a full blendshape, and about those below 0.
+
+    Args:
+        values: (T, K) on the file's scale, finite.
+        channels: their K names.
+        place: where the file has a weight, by frame and channel.
+    """
+    high, low = values > _FAR * scale, values < _BELOW * scale
+    notes = []
+    if high.any():
+        several = f"{high.sum()} weights are far above {scale:g}: " if high.sum() > 1 else ""
+        most = _farthest(values, high, channels, place)
+        notes.append(f"{several}{most}, where {scale:g} is a full blendshape")
+    if low.any():
+        several = f"{low.sum()} weights are below 0: " if low.sum() > 1 else ""
+        notes.append(f"{several}{_farthest(values, low, channels, place)}, and stays so")
+    return tuple(notes)
+
+
+def _farthest(
+    values: NDArray[Any],
+    odd: NDArray[np.bool_],
+    channels: Sequence[str],
+    place: Callable[[int, int], str],
+) -> str:
+    """What and where the largest of some weights is."""
+    frame, k = divmod(int(np.argmax(np.where(odd, np.abs(values), -1.0))), values.shape[1])
+    return f"{channels[k]} is {values[frame, k]:g} {place(frame, k)}"
 
 
 def first_impossible(values: NDArray[Any], scale: float) -> tuple[int, int] | None:

@@ -187,7 +187,8 @@ def test_what_is_on_screen_is_what_a_character_plays(tmp_path: Path) -> None:
     again = open_take(tmp_path / "talk.glb").clip
     np.testing.assert_array_equal(again.arkit_weights(), session.weights)
     np.testing.assert_allclose(again.times, session.take.clip.times, atol=1e-6)
-    assert "HeadYaw" in written.remarks[0]
+    assert "LeftEyeYaw" in written.remarks[0]
+    assert "the head is straight" in written.remarks[1]
 
 
 @pytest.mark.parametrize("ending", ENDINGS)

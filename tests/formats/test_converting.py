@@ -179,7 +179,11 @@ def test_the_rotations_of_head_and_eyes_survive_another_rate(
     found = np.array([[float(row[name]) for name in names] for row in rows])
     np.testing.assert_allclose(found[1:-1], turns[2:-2:2], atol=1e-5)
     assert main(["convert", str(take), str(tmp_path / "out.glb")]) == 0
-    assert "left out because they are not channels: HeadYaw" in capfd.readouterr().out
+    said = capfd.readouterr().out
+    assert "left out because they are not channels: LeftEyeYaw" in said
+    assert "the head is straight; Follow the head (--follow-head) turns it" in said
+    assert main(["convert", str(take), str(tmp_path / "out.glb"), "--follow-head"]) == 0
+    assert "the head is straight" not in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("numerator", [24000, 30000, 48000, 60000, 120000])

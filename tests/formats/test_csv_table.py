@@ -151,7 +151,7 @@ def test_channels_with_short_sides_are_found_and_exported_under_their_names(tmp_
     assert out[4].split(",")[1 + names.index("eyeBlink_L")] == "0.7500"
 
 
-@pytest.mark.parametrize(("decimals", "wanted"), [(0, "61.3217"), (2, "61.32"), (4, "61.3217")])
+@pytest.mark.parametrize(("decimals", "wanted"), [(0, "61.32"), (1, "61.32"), (4, "61.3217")])
 def test_percent_is_seen_said_and_written(tmp_path: Path, decimals: int, wanted: str) -> None:
     rows = "".join(
         f"{n / 30:.4f},{50 + 40 * np.sin(n / 5):.{decimals}f},{0:.{decimals}f},{3:.{decimals}f}\n"

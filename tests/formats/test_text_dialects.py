@@ -255,7 +255,7 @@ def test_percent_that_the_file_names_stay_percent_however_small(
     write_take(out, take, edited)
     before, after = path.read_text().splitlines(), out.read_text().splitlines()
     assert [n for n, (a, b) in enumerate(zip(before, after, strict=True)) if a != b] == [4]
-    assert after[4].split(",")[1] == cell.replace("{:.1f}", "25")
+    assert after[4].split(",")[1] == cell.replace("{:.1f}", "25.00")
 
 
 def test_a_row_of_units_says_that_weights_are_percent(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from support.dialects import DIALECTS, clock, drop_frame, milliseconds, whole_frames
 from support.takes import timecode
 
+from faceedit_app.formats.gaps import find_gaps
 from faceedit_app.formats.timecode import (
     BadTimecode,
     clock_times,
@@ -19,7 +20,7 @@ from faceedit_app.formats.timecode import (
     is_clock,
     parse_timecodes,
 )
-from faceedit_app.formats.timing import NoTimes, Timing, find_gaps, format_rate, format_time
+from faceedit_app.formats.timing import NoTimes, Timing, format_rate, format_time
 
 
 def codes(frames: list[float], base: int = 60, start: float = 3_000_000) -> list[str]:

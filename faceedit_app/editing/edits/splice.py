@@ -18,7 +18,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resample import interpolate
 from faceedit_app.editing.edits.clock import CROSSFADE
 from faceedit_app.formats.converting import timecodes_at
-from faceedit_app.formats.timing import find_gaps
+from faceedit_app.formats.gaps import find_gaps
 
 LONGEST_INSERT = 600.0  # seconds
 _EASE = 0.15  # seconds in which the face comes to rest, and in which it sets off

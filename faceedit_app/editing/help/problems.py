@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Floats
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
@@ -36,7 +36,6 @@ SHAKE_WINDOW = 0.5  # seconds
 STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
 BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
-UNSURE = 0.8  # confidence below which the tracker may be wrong; below 0.5 it is a gap
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 # What counts as entirely wrong, for `Problem.severity`.

@@ -15,8 +15,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.formats.gaps import gap_notes
 from faceedit_app.formats.take import Take
-from faceedit_app.formats.timing import counted, format_rate, format_time, gap_notes
+from faceedit_app.formats.timing import counted, format_rate, format_time
 from faceedit_app.ui.look.texts import plain_label, plain_tip
 
 _DOT = "   ·   "
