@@ -222,7 +222,7 @@ def export_take(
         FaceEditError: the format cannot be written at this frame rate.
     """
     options = options or Options()
-    kind, straight = form.kind, False
+    kind, straight, note = form.kind, False, ""
     if isinstance(kind, registry.Format):
         same = kind.name == take.kind and options.rate in (None, take.clip.rate)
         if kind.write is None and not same:
@@ -241,9 +241,9 @@ def export_take(
             own_layout=form.is_own,
             filled=options.filled,
         )
-        content, clip = done.content, done.clip
+        content, clip, note = done.content, done.clip, done.note
         lost = () if done.is_own else take.carried
-        if kind.keeps_rotations and clip.rotations is not None:
+        if (kind.keeps_rotations or done.is_styled) and clip.rotations is not None:
             lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
         if kind.keeps_confidence and clip.confidence is not None:
             lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
@@ -266,6 +266,8 @@ def export_take(
     remarks: tuple[str, ...] = ()
     if lost:
         remarks = (f"left out because they are not channels: {', '.join(lost)}",)
+    if note:
+        remarks += (note,)
     if straight:
         remarks += ("the head is straight; Follow the head (--follow-head) turns it as recorded",)
     return Exported(path, form, clip, remarks, backup)

@@ -27,11 +27,15 @@ class Converted:
         content: of the file.
         clip: what is in it.
         is_own: whether it is the take's own file with other weights.
+        is_styled: whether it is a new file in the style of the take's.
+        note: what of the take's layout could not be kept, if it should be; else "".
     """
 
     content: bytes
     clip: Clip
     is_own: bool = False
+    is_styled: bool = False
+    note: str = ""
 
 
 def convert(
@@ -91,7 +95,9 @@ def converted(
     clip = resampled(whole, rate, fill_gaps=not form.tells_times)
     style = take.source if is_own and own_layout else like
     styled = None if style is None else form.write_like(style, clip)
-    return Converted(form.write(clip) if styled is None else styled, clip)
+    if styled is None:
+        return Converted(form.write(clip), clip)
+    return Converted(styled.content, clip, is_styled=True, note=styled.note)
 
 
 def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Clip:

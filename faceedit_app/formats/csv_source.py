@@ -78,6 +78,7 @@ class CsvSource:
         flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
         seconds: the column of the times, if they are seconds.
+        clock: the column of the times, if they are timecodes.
         formats: how the numbers of some columns are written, once that is known.
     """
 
@@ -90,6 +91,7 @@ class CsvSource:
     flag: int | None = None
     confidence: int | None = None
     seconds: int | None = None
+    clock: int | None = None
     formats: dict[tuple[int, ...], NumberFormat] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -121,7 +123,7 @@ class CsvSource:
         touched = np.flatnonzero(changed.any(axis=1))
         out = list(self.table.lines)
         if len(touched):
-            write = self._writer(columns, scale)
+            write = self.writer(columns, scale)
             for row, numbers in zip(
                 touched.tolist(), shortest(edited[touched]) * scale, strict=True
             ):
@@ -144,7 +146,7 @@ class CsvSource:
         Args:
             weights: (L, K) for `lost`; a row of NaN stays as it is.
         """
-        write = self._writer(self.columns, self.scale)
+        write = self.writer(self.columns, self.scale)
         out, frames = list(self.table.lines), np.array(self.lines)
         for line, row in zip(self.lost, shortest(weights), strict=True):
             if not np.isfinite(row).all():
@@ -163,12 +165,17 @@ class CsvSource:
             out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
         return replace(self, table=replace(self.table, lines=tuple(out)))
 
-    def writer(self) -> Callable[[float], bytes]:
-        """What writes a weight, on the file's scale, as the file writes it."""
-        return self._writer(self.columns, self.scale)
+    def texts(self, column: int) -> list[str]:
+        """(T) the texts of the frames in a column."""
+        cells = (self.table.cells(line) for line in self.lines)
+        return [self.table.text(row[column]) for row in cells]
 
-    def _writer(self, columns: Sequence[int], scale: float) -> Callable[[float], bytes]:
-        """What writes a number as the file writes those in some columns."""
+    def writer(self, columns: Sequence[int], scale: float) -> Callable[[float], bytes]:
+        """What writes a number as the file writes those in some columns.
+
+        Args:
+            scale: the value of a full blendshape, 1 for other numbers.
+        """
         known = tuple(columns)
         if known not in self.formats:
             self.formats[known] = detect_format(self._sample(columns), scale)

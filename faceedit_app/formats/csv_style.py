@@ -1,49 +1,127 @@
 """Write a clip with other frames than a CSV has, in the style of that CSV.
 
-Its separator, decimal sign, names, scale, digits and line ends are kept; its times become seconds,
-and columns that are no channels are left out.
+Its separator, decimal sign, names, scale, digits, line ends and the base of its timecode are kept.
+Times that are neither timecodes nor seconds become seconds, and columns that are no channels are
+left out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from faceedit_app.core.arrays import Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.csv_source import CsvSource
 from faceedit_app.formats.csv_take import confidence_cells
 from faceedit_app.formats.encodings import RecodedSource
 from faceedit_app.formats.files import BOM
-from faceedit_app.formats.lost_faces import CONFIDENCE
+from faceedit_app.formats.lost_faces import CONFIDENCE, is_count
 from faceedit_app.formats.numbers import shortest
 from faceedit_app.formats.take import Source
+from faceedit_app.formats.timecode import start_of_day
+from faceedit_app.formats.timecode_style import TimecodeStyle, style_of
 
 _SECONDS = b"time_s"
+_IN_SECONDS = "its times are now seconds, as time_s"
+_IN_SIXTIETHS = "its timecode now is HH:MM:SS:FF.sss with 60 frames a second"
+_IN_THOUSANDTHS = "its timecode now has thousandths of a frame, because times lie between frames"
 
 
-def write_like(source: Source, clip: Clip) -> bytes | None:
+@dataclass(frozen=True)
+class Styled:
+    """A file in the style of another one.
+
+    Attributes:
+        content: of the file.
+        note: what of the style could not be kept; "" if all was.
+    """
+
+    content: bytes
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column to write.
+
+    Attributes:
+        place: in the file whose style is kept; -1 to stand first, a large number to stand last.
+        name: with its quotes.
+        cells: (T) of the rows.
+    """
+
+    place: int
+    name: bytes
+    cells: Sequence[bytes]
+
+
+def write_like(source: Source, clip: Clip) -> Styled | None:
     """A clip in the style of a source's file; None if it is no CSV with these channels."""
     if isinstance(source, RecodedSource):
         found = write_like(source.source, clip)
-        return None if found is None else found.decode().encode(source.encoding)
+        if found is None:
+            return None
+        return Styled(found.content.decode().encode(source.encoding), found.note)
     if not isinstance(source, CsvSource) or len(source.columns) != len(clip.channels):
         return None
-    table, write = source.table, source.writer()
-    first = table.lines[table.header]
+    table = source.table
     names = table.cells(table.header)
-    sign = b"%" if table.percent else b""
-    head = [_SECONDS if source.seconds is None else names[source.seconds]]
-    head += [names[column] for column in source.columns]
-    rows = [
-        [_time(time, table.decimal), *(write(weight * source.scale) + sign for weight in row)]
-        for time, row in zip(clip.times.tolist(), shortest(clip.weights).tolist(), strict=True)
-    ]
+    times, note = _times(source, clip, names)
+    columns = [times, *_weights(source, clip, names), *_rotations(source, clip, names)]
+    if source.flag is not None and is_count(table.names[source.flag]):
+        count = str(len(columns) - 1).encode()
+        columns.append(_Column(source.flag, names[source.flag], [count] * len(clip)))
     if clip.confidence is not None:
-        head.append(CONFIDENCE.encode())
-        for cells, sure in zip(rows, confidence_cells(clip.confidence), strict=True):
-            cells.append(sure.encode().replace(b".", table.decimal))
+        sure = [
+            cell.encode().replace(b".", table.decimal) for cell in confidence_cells(clip.confidence)
+        ]
+        own = source.confidence
+        name = CONFIDENCE.encode() if own is None else names[own]
+        columns.append(_Column(len(names) if own is None else own, name, sure))
+    columns.sort(key=lambda column: column.place)
+    head = [column.name for column in columns]
+    head[0] = head[0].removeprefix(BOM)
+    first = table.lines[table.header]
     end = first[len(first.rstrip(b"\r\n")) :] or b"\n"
     mark = BOM if table.lines[0].startswith(BOM) else b""
-    head[0] = head[0].removeprefix(BOM)
-    return mark + b"".join(table.delimiter.join(cells) + end for cells in (head, *rows))
+    rows = [head, *zip(*(column.cells for column in columns), strict=True)]
+    return Styled(mark + b"".join(table.delimiter.join(cells) + end for cells in rows), note)
 
 
-def _time(seconds: float, decimal: bytes) -> bytes:
-    return f"{seconds:.6f}".encode().replace(b".", decimal)
+def _weights(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_Column]:
+    write, sign = source.writer(source.columns, source.scale), b"%" if source.table.percent else b""
+    numbers = (shortest(clip.weights) * source.scale).T.tolist()
+    return [
+        _Column(place, names[place], [write(number) + sign for number in row])
+        for place, row in zip(source.columns, numbers, strict=True)
+    ]
+
+
+def _rotations(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_Column]:
+    if clip.rotations is None or not source.turns:
+        return []
+    write = source.writer(source.turns, 1.0)
+    return [
+        _Column(place, names[place], [write(number) for number in row])
+        for place, row in zip(source.turns, clip.rotations.T.tolist(), strict=True)
+    ]
+
+
+def _times(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> tuple[_Column, str]:
+    """The column of the times, and what could not be kept of it."""
+    decimal = source.table.decimal
+    place = source.seconds
+    if source.clock is not None and clip.timecodes:
+        style, note = style_of(source.texts(source.clock)), ""
+        seconds: Times = start_of_day(clip.timecodes) + clip.times
+        if style is None:
+            style, note = TimecodeStyle(), _IN_SIXTIETHS
+        elif not style.fits(seconds):
+            style, note = style.finer(), _IN_THOUSANDTHS
+        cells = [style.text(second).encode() for second in seconds.tolist()]
+        return _Column(source.clock, names[source.clock], cells), note
+    cells = [f"{time:.6f}".encode().replace(b".", decimal) for time in clip.times.tolist()]
+    if place is None:
+        return _Column(-1, _SECONDS, cells), _IN_SECONDS
+    return _Column(place, names[place], cells), ""

@@ -205,6 +205,7 @@ def csv_take(
         flag=places.flag,
         confidence=places.confidence,
         seconds=times.column if times.kind == "seconds" else None,
+        clock=times.column if times.kind == "timecode" else None,
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:

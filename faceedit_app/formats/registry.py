@@ -73,7 +73,7 @@ class Format:
     sniff: Callable[[bytes], float]
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
-    write_like: Callable[[Source, Clip], bytes | None] = lambda source, clip: None
+    write_like: Callable[[Source, Clip], csv_style.Styled | None] = lambda source, clip: None
     is_plain: Callable[[bytes, Clip], bool] = lambda content, clip: True
     tells_times: bool = True
     keeps_rotations: bool = False
@@ -85,7 +85,8 @@ class Format:
 FORMATS: tuple[Format, ...] = (
     Format("livelink", livelink.FORMAT, (".csv",), "text/csv",
            "Live Link Face on an iPhone; Face_Landmark_Link and others that write its layout",
-           livelink.sniff, livelink.read, livelink.write, is_plain=is_plain_livelink,
+           livelink.sniff, livelink.read, livelink.write, csv_style.write_like,
+           is_plain=is_plain_livelink,
            keeps_rotations=True, keeps_confidence=True, hints=(
                ("Unreal", "switch on the plug-in Live Link Face Importer, and drag the file into "
                 "the Content Browser: it becomes a Level Sequence"),

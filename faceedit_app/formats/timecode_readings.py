@@ -267,10 +267,10 @@ def _unevenness(places: Times) -> float:
 def _has_dropped_number(stamps: Stamps, base: int) -> bool:
     """Whether a row has a number that drop-frame timecode does not have."""
     full = (stamps.clock % 60 == 0) & (stamps.clock % 600 != 0)
-    return bool(np.any(full & (stamps.last < _dropped(base))))
+    return bool(np.any(full & (stamps.last < dropped_numbers(base))))
 
 
-def _dropped(base: int) -> int:
+def dropped_numbers(base: int) -> int:
     """How many numbers drop-frame skips at each full minute except every tenth: 2 of 30."""
     return max(1, round(base / 15))
 
@@ -285,5 +285,5 @@ def count_frames(stamps: Stamps, base: int, drop: bool) -> Times:
     counts: Times = stamps.clock * base + stamps.frames
     if drop:
         minutes = stamps.clock // 60
-        counts = counts - _dropped(base) * (minutes - minutes // 10)
+        counts = counts - dropped_numbers(base) * (minutes - minutes // 10)
     return counts

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.dialects import drop_frame
+from support.takes import livelink_names
 
 from faceedit_app.cli import main
 from faceedit_app.formats.opening import open_take
@@ -79,3 +82,97 @@ def test_convert_keeps_the_layout_at_another_rate_unless_told_otherwise(tmp_path
     assert out.read_text().splitlines()[0] == table().splitlines()[0]
     assert main(["convert", str(take), str(out), "--fps", "15", "--format", "livelink"]) == 0
     assert out.read_text().startswith("Timecode,BlendshapeCount,")
+
+
+def livelink(folder: Path, stamp: Callable[[int], str], separator: str = ";") -> Path:
+    """A Live Link take at 30 fps with timecodes and a separator of its own."""
+    rows = [
+        [stamp(n), "52", *(f"{0.3 + 0.2 * np.sin(n / 7 + k):.4f}" for k in range(52))]
+        for n in range(3 * FRAMES)
+    ]
+    head = ["Timecode", "BlendshapeCount", *livelink_names()]
+    text = "\n".join(separator.join(row) for row in [head, *rows]) + "\n"
+    path = folder / "take.csv"
+    path.write_text(text if separator == "," else text.replace(".", ","))
+    return path
+
+
+def drop(n: int) -> str:
+    return drop_frame(n + 1700)  # over a full minute, where numbers are left out
+
+
+STAMPS: dict[str, Callable[[int], str]] = {
+    "base 30": lambda n: f"10:00:{n // 30 + 5:02d}:{n % 30:02d}",
+    "base 30, thousandths": lambda n: f"10:00:{n // 30 + 5:02d}:{n % 30:02d}.250",
+    "base 60": lambda n: f"10:00:{n // 30 + 5:02d}:{2 * (n % 30):02d}.169",
+    "drop-frame": drop,
+}
+
+
+@pytest.mark.parametrize("stamp", STAMPS.values(), ids=STAMPS)
+@pytest.mark.parametrize("separator", [",", "\t"])
+def test_a_cut_keeps_the_timecode_and_the_layout_of_the_take(
+    tmp_path: Path,
+    stamp: Callable[[int], str],
+    separator: str,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    take, out = livelink(tmp_path, stamp, separator), tmp_path / "out.csv"
+    assert main(["retime", str(take), "--cut", "1-2", "-o", str(out)]) == 0
+    said, before, after = capfd.readouterr().out, open_take(take).clip, open_take(out).clip
+    assert "its timecode" not in said
+    old, new = take.read_text().splitlines(), out.read_text().splitlines()
+    assert new[0] == old[0]
+    assert [line.split(separator)[0] for line in new] == [
+        line.split(separator)[0] for line in old[: len(new)]
+    ]
+    assert new[5:20] == old[5:20]
+    assert (after.rate, after.gaps) == (before.rate, ())
+    assert after.duration == pytest.approx(before.duration - 1, abs=1 / 30)
+
+
+@pytest.mark.parametrize(
+    ("stamp", "says"),
+    [
+        (
+            lambda n: f"10:00:{n // 30 + 5:02d}:{n % 30:02d}.{n % 30 * 1000 // 30:03d}",
+            "its timecode now is HH:MM:SS:FF.sss with 60 frames a second",
+        ),
+        (STAMPS["base 30"], "its timecode now has thousandths of a frame"),
+    ],
+)
+def test_what_cannot_be_kept_of_a_timecode_is_said(
+    tmp_path: Path,
+    stamp: Callable[[int], str],
+    says: str,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    take, out = livelink(tmp_path, stamp), tmp_path / "out.csv"
+    assert main(["convert", str(take), str(out), "--fps", "50"]) == 0
+    assert says in capfd.readouterr().out
+    assert open_take(out).clip.rate == 50
+    assert out.read_text().startswith("Timecode;BlendshapeCount;")
+
+
+def test_times_that_become_seconds_are_said(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    take, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    rows = "".join(f"{n * 40},0.{n:02d}\n" for n in range(FRAMES))
+    take.write_text("time_ms,jawOpen\n" + rows)
+    assert main(["retime", str(take), "--cut", "1-2", "-o", str(out)]) == 0
+    assert "its times are now seconds, as time_s" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("ending", [".ndjson", ".anim"])
+def test_a_new_take_that_cannot_end_like_that_is_refused_in_one_line(
+    tmp_path: Path, ending: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    take = tmp_path / "take.csv"
+    take.write_text(table())
+    out = str(tmp_path / f"out{ending}")
+    assert main(["retime", str(take), "--cut", "0.5-1", "-o", out]) == 2
+    error = capfd.readouterr().err
+    assert "use one of .csv, .tsv, .json, .glb" in error or "use one of .csv, .json" in error
+    assert error.count(".csv") == 1
+    assert "--format" not in error
