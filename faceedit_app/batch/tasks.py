@@ -134,12 +134,15 @@ def perform(task: Task) -> Outcome:
             take.load_edits(recipe.edits)
         task.output.parent.mkdir(parents=True, exist_ok=True)
         form = recipe.form or None
-        take.export(task.output, form, recipe.rate, follow_head=recipe.follows_head)
+        done = take.export(task.output, form, recipe.rate, follow_head=recipe.follows_head)
+        changed = take.session.changed_frames()
+        if done.form.is_own and recipe.rate is None:
+            changed = exporting.changed_frames(take.session, task.output)
         return replace(
             outcome,
             written=task.output.name,
             frames=len(take.times),
-            changed=take.session.changed_frames(),
+            changed=changed,
             seconds=round(take.duration, 3),
             problems=problems,
             left=len(take.problems()) if take.edits else problems,

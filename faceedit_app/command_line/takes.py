@@ -81,8 +81,7 @@ def apply(
     warnings = _warnings(session, engine)
     for text in warnings:
         say(f"faceedit: warning: {text}", to=sys.stderr)
-    written = _export(session, output, character, follow_head, overwrite)
-    changed = session.changed_frames()
+    written, changed = _export(session, output, character, follow_head, overwrite)
     if as_json:
         notes = [*warnings, *written.pop("notes")]
         counts = {"edits": len(session.edits), "changed_frames": changed}
@@ -107,8 +106,12 @@ def _settings(mode: str, naturalness: float, reach: float) -> Settings:
 
 def _export(
     session: EditSession, output: Path, character: Path | None, follow_head: bool, overwrite: bool
-) -> dict[str, Any]:
-    """Write the edited take as it came, or in the format of the ending; returns facts about it."""
+) -> tuple[dict[str, Any], int]:
+    """Write the edited take as it came, or in the format of the ending.
+
+    Returns:
+        Facts about the file, and how many frames in it are changed.
+    """
     from faceedit_app.editing import exporting
 
     take = session.take
@@ -118,15 +121,13 @@ def _export(
     if form is None:
         backup = session.export(output, overwrite)
         facts = json_output.written_facts(output, take.path, take.format, take.clip, (), backup)
-    else:
-        options = exporting.Options(
-            character=character, overwrite=overwrite, follows_head=follow_head
-        )
-        done = exporting.export_session(session, output, form, options)
-        facts = json_output.written_facts(
-            output, take.path, form.name, done.clip, done.remarks, done.backup
-        )
-    return facts
+        return facts, exporting.changed_frames(session, output)
+    options = exporting.Options(character=character, overwrite=overwrite, follows_head=follow_head)
+    done = exporting.export_session(session, output, form, options)
+    facts = json_output.written_facts(
+        output, take.path, form.name, done.clip, done.remarks, done.backup
+    )
+    return facts, session.changed_frames()
 
 
 def convert(

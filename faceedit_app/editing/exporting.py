@@ -22,6 +22,7 @@ from faceedit_app.formats import registry
 from faceedit_app.formats.converting import converted, resampled, with_filled
 from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.lost_faces import CONFIDENCE
+from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.container import check
@@ -271,6 +272,27 @@ def export_take(
     if straight:
         remarks += ("the head is straight; Follow the head (--follow-head) turns it as recorded",)
     return Exported(path, form, clip, remarks, backup)
+
+
+def changed_frames(session: EditSession, path: Path) -> int:
+    """The number of frames that differ between a take and its export in its own layout.
+
+    It may be less than the session's: a change that is smaller than the file's digits is not in it.
+    Rows that a fill gave a face count as well.
+
+    Raises:
+        FileError: the export cannot be read.
+    """
+    take = session.take
+    tracked = with_filled(take.clip, take.lost_rows, session.filled_rows())
+    written = open_take(path, take.fps).clip
+    if len(written) != len(tracked):
+        return session.changed_frames()
+    differs = ~np.isin(tracked.times, take.clip.times)
+    differs |= np.any(written.weights != tracked.weights, axis=1)
+    if written.rotations is not None and tracked.rotations is not None:
+        differs |= np.any(written.rotations != tracked.rotations, axis=1)
+    return int(differs.sum())
 
 
 def _opened(character: FittedCharacter | Path | None) -> FittedCharacter | Rig:

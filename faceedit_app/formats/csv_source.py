@@ -18,7 +18,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import NumberFormat, detect_format, shortest
+from faceedit_app.formats.numbers import NumberFormat, detect_format, kept_text, shortest
 
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
@@ -131,7 +131,9 @@ class CsvSource:
                 cells = self.table.cells(line)
                 for k in np.flatnonzero(changed[row]).tolist():
                     column = columns[k]
-                    cells[column] = _replaced(cells[column], write(float(numbers[k])))
+                    number = write(float(numbers[k]))
+                    number = kept_text(bare(cells[column]), number, self.table.decimal)
+                    cells[column] = _replaced(cells[column], number)
                 text = self.table.delimiter.join(cells)
                 old = self.table.lines[line]
                 out[line] = text + old[len(old.rstrip(b"\r\n")) :]

@@ -23,7 +23,7 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import detect_format, shortest
+from faceedit_app.formats.numbers import detect_format, kept_text, shortest
 
 # Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
@@ -214,7 +214,10 @@ class JsonSource:
         if not numbers:
             return self.text.content
         order = np.argsort(where)
-        return self.text.replaced(where[order], [numbers[k] for k in order.tolist()])
+        where = where[order]
+        old = [self.text.content[a:b] for a, b in self.text.spans[where].tolist()]
+        new = (numbers[k] for k in order.tolist())
+        return self.text.replaced(where, list(map(kept_text, old, new)))
 
     def as_sure(self, tracked: Floats, edited: Floats) -> JsonSource:
         """The source with other confidence; see `take.SureSource.as_sure`."""

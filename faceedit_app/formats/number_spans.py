@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.formats.numbers import NumberFormat, detect_format, shortest
+from faceedit_app.formats.numbers import NumberFormat, detect_format, kept_text, shortest
 
 _FORMAT_SAMPLE = 10_000
 WHOLE = NumberFormat(0, padded=True)
@@ -48,7 +48,8 @@ class SpanSource:
         order = np.argsort(spans[:, 0])
         write, pieces, done = self._writer(), [], 0
         for (start, end), value in zip(spans[order].tolist(), values[order].tolist(), strict=True):
-            pieces += [self.content[done:start], write(value)]
+            number = kept_text(self.content[start:end], write(value), self.decimal)
+            pieces += [self.content[done:start], number]
             done = end
         return b"".join([*pieces, self.content[done:]])
 

@@ -59,6 +59,15 @@ def shortest(weights: Floats) -> Doubles:
     return found
 
 
+def kept_text(old: bytes, new: bytes, decimal: bytes = b".") -> bytes:
+    """The old text of a number if the new one is the same number, else the new text."""
+    try:
+        same = float(old.replace(decimal, b".")) == float(new.replace(decimal, b"."))
+    except ValueError:
+        return new
+    return old if same else new
+
+
 def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
     """Detect the number format from a sample of a file's numbers.
 

@@ -37,3 +37,17 @@ def test_a_take_is_not_written_under_the_name_of_a_film(
     assert main(["apply", str(take), str(edits_at(tmp_path, 1.0)), "-o", str(out)]) == 2
     assert "is the name of a film; use faceedit render" in capfd.readouterr().err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("decimals", [2, 4, 10])
+def test_as_many_frames_are_changed_as_the_command_says(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], decimals: int
+) -> None:
+    """A change below the file's digits is in no row."""
+    take = make_livelink_csv(tmp_path / "take.csv", decimals=decimals)
+    out = tmp_path / "out.csv"
+    assert main(["apply", str(take), str(edits_at(tmp_path, 1.0)), "-o", str(out)]) == 0
+    pairs = zip(take.read_text().splitlines(), out.read_text().splitlines(), strict=True)
+    rows = sum(1 for before, after in pairs if before != after)
+    assert rows > 0
+    assert f", {rows} of 120 frames changed" in capfd.readouterr().out
