@@ -114,8 +114,12 @@ class Table:
                 continue
             cells = self.cells(line)
             is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
-            if is_row and self._has_face(cells):
+            if is_row and self._has_face(cells) and not self._is_header(cells):
                 yield line, cells
+
+    def _is_header(self, cells: Cells) -> bool:
+        """Whether a row repeats the names of the columns, as at the top of each printed page."""
+        return self.names[0] == plain_text(cells[0]) and self.names == tuple(map(plain_text, cells))
 
     def _has_face(self, cells: Cells) -> bool:
         """Whether a row is one of the face that is read."""

@@ -33,6 +33,7 @@ from faceedit_app.formats.lost_faces import (
     is_count,
     letters,
 )
+from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
@@ -179,7 +180,7 @@ def csv_take(
         format=name or _NAMES[times.kind],
         channels=columns.channels,
         values=rows.numbers[:, ~empty],
-        timing=settled(times.timing, stated, frames),
+        timing=settled(times.timing, stated, frames, times.kind == "timecode"),
         lost=rows.lost,
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried.values()),
@@ -262,6 +263,8 @@ def _guessed_times(table: Table, column: int, cells: list[str], rows: Rows) -> R
         return None
     if isinstance(timing, NoTimes):
         return found if found.kind == "frames" else None
+    if found.kind == "number" and nominal_rate(timing.rate, 0.0) is None:
+        return None  # a unit that no name and no rate confirm
     note = f'the first column, "{shown(table.names[column])}", is read as times'
     return replace(found, timing=replace(timing, notes=(note, *timing.notes)))
 

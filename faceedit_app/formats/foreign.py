@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text
 
@@ -17,6 +18,7 @@ _EMPTY_NAME = re.compile(
     r"[ _]*\d*",
     re.IGNORECASE,
 )
+_CHANNELS = re.compile("|".join(rf"\b{name.lower()}\b" for name in ARKIT_CHANNELS).encode())
 _ACTION_UNIT = re.compile(rb"^[^\n]*\bAU\d\d(?:_[rc])?\b[^\n]*\bAU\d\d", re.MULTILINE)
 _GLTF = re.compile(rb'\s*\{.*"asset"\s*:\s*\{[^}]*"version"', re.DOTALL)
 _PICKLE = re.compile(rb"\x80[\x02-\x05].*\.", re.DOTALL)
@@ -83,7 +85,14 @@ def _is_nameless(content: bytes) -> bool:
 def _is_spaced(content: bytes) -> bool:
     """A table whose columns are separated by spaces."""
     names = next((line.split() for line in content[:_HEAD].splitlines() if line.strip()), [])
+    if any(b"{" in name or b"<" in name for name in names):
+        return False
     return sum(1 for name in names if canonical_channel(plain_text(name))) > 1
+
+
+def _names_arkit(content: bytes) -> bool:
+    """Text with the names of channels, but no table of them and no JSON."""
+    return b"\0" not in content and len(set(_CHANNELS.findall(content[:_HEAD].lower()))) > 1
 
 
 # fmt: off
@@ -116,6 +125,8 @@ _FOREIGN: tuple[Foreign, ...] = (
             "open the film itself, which FaceEdit tracks", _matches(_ACTION_UNIT)),
     Foreign("is a web page", "download the file itself, signed in if need be",
             _matches(_WEB_PAGE)),
+    Foreign("is XML or HTML", "save its table as CSV, with a line of ARKit names at the top",
+            lambda content: content.lstrip()[:1] == b"<"),
     Foreign("is a pointer of Git LFS, not the file itself", "fetch it with git lfs pull",
             _starts(b"version https://git-lfs")),
     Foreign("is a Python pickle, which can run programs", "save it as CSV or JSON",
@@ -138,6 +149,8 @@ _FOREIGN: tuple[Foreign, ...] = (
     Foreign("holds numbers without the names of their channels",
             "write the ARKit names of the columns in a line at the top", _is_nameless),
     Foreign("separates its columns by spaces", "save it as CSV with commas", _is_spaced),
+    Foreign("names ARKit's channels, but in a layout that is not known", _SAVE_AS_CSV,
+            _names_arkit),
     Foreign("is a BVH file, which has no blendshapes", "export the face as CSV or GLB",
             _starts(b"HIERARCHY")),
 )

@@ -93,7 +93,11 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         timing=_timing(text, frames, kept) if len(kept) else NoTimes("has no frames"),
         lost=lost,
         carried=(
-            *(shown(str(n), LONGEST_NAME) for k, n in enumerate(frames.names) if k not in used),
+            *(
+                shown(str(n), LONGEST_NAME)
+                for k, n in enumerate(frames.names)
+                if k not in used and n != frames.time_name
+            ),
             *(() if sure_places is None else (CONFIDENCE,)),
         ),
         notes=frames.notes,

@@ -136,6 +136,7 @@ def _matrix(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | 
 
 def _all_names(document: Any) -> Iterator[list[Any]]:
     """Lists that may be names, also as `{"jawOpen": 0, ...}` with their places."""
+    yield from (row for row in as_list(document)[:1] if isinstance(row, list))  # rows of a table
     yield from _all_lists(document, 0)
     for entry in dicts(document, 0):
         for one in (entry, *map(as_object, entry.values())):

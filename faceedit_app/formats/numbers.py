@@ -28,16 +28,20 @@ class NumberFormat:
         decimals: digits after the point.
         padded: whether trailing zeros are written.
         exponent: `e` or `E` in scientific notation, else empty.
+        least: digits after the point in scientific notation, if they are enough.
     """
 
     decimals: int
     padded: bool
     exponent: str = ""
+    least: int = 0
 
     def write(self, value: float) -> bytes:
         """The text of a finite number; never a negative zero."""
         if self.exponent:
-            text = f"{value:.{self.decimals}{self.exponent}}"
+            texts = (f"{value:.{n}{self.exponent}}" for n in range(self.least, self.decimals))
+            most = f"{value:.{self.decimals}{self.exponent}}"
+            text = next((text for text in texts if float(text) == float(most)), most)
         else:
             text = f"{value:.{self.decimals}f}"
             if not self.padded:
@@ -92,7 +96,7 @@ def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
     # Python and JavaScript write small numbers such as `1e-05` among plain ones.
     exponent = max(exponents, key=lambda key: exponents[key], default="")
     if exponent:
-        return NumberFormat(max(most, _LEAST_TRIMMED), True, exponent)
+        return NumberFormat(max(most, _LEAST_TRIMMED), True, exponent, most)
     if scale == PERCENT and len(decimals) == 1:  # all percentages have as many decimals
         return NumberFormat(max(most, _LEAST_PADDED - fewer), True)
     # Some programs write exact zeros and ones shorter than the rest (`0`, `0.0`).

@@ -33,6 +33,7 @@ _VALUE = re.compile(rf"{_NUMBER}(?:\s*(?:fps|hz))?", re.IGNORECASE)
 _MARKS = "#/;%!*,\"' \t"  # what comments begin with, and empty cells
 _SLOWEST_FILM, _FASTEST_CAMERA = 5.0, 245.0  # frames per second
 _WHOLE, _FINE = 0.016, 0.001  # relative error of a period in whole milliseconds, or finer
+_BROADCAST = 1.001  # a timecode's second at 23.976 fps and the like, in real seconds
 _SAME = 5e-4  # relative difference of rates: less than that of 23.976 and 24
 _LONGEST = 400  # characters of a line of text that may state a rate
 
@@ -121,17 +122,23 @@ def rate_in_table(table: Table, cells: Callable[[int], Sequence[str]]) -> Stated
     return rate_in_lines(before)
 
 
-def settled(timing: Timing | NoTimes, stated: Stated | None, rows: Indices) -> Timing | NoTimes:
+def settled(
+    timing: Timing | NoTimes, stated: Stated | None, rows: Indices, counts_frames: bool = False
+) -> Timing | NoTimes:
     """The timing, at the stated rate if times do not show it; a contradiction is noted.
 
     Args:
         rows: (T,) the rows of the frames in the file.
+        counts_frames: whether the times are a timecode; if it is not drop-frame, it counts 24
+            frames in a second also at 23.976 fps.
     """
     if stated is None:
         return timing
     if isinstance(timing, Timing):
         if not stated.is_sure or abs(timing.rate / stated.rate - 1.0) < _SAME:
             return timing
+        if counts_frames and abs(timing.rate / stated.rate / _BROADCAST - 1.0) < 1e-4:
+            return Timing(timing.times * _BROADCAST, stated.rate, timing.notes)
         says = stated.text
         if not re.search(r"\d", says):  # a column's name
             says = f"{says}: {stated.rate:g}"

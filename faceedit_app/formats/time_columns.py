@@ -41,6 +41,7 @@ _TICKS = "ticks of 100 ns"  # of .NET and Windows
 _UNITS = {
     **{"seconds": 1.0, "milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9},
     _TICKS: 1e-7,
+    "days": 86_400.0,  # as spreadsheets count
 }
 # Ticks of our days since the year 1601 or 1: no other unit has such numbers.
 _SINCE_1601, _SINCE_1 = (1.2e17, 1.5e17), (6.2e17, 6.7e17)
@@ -77,6 +78,7 @@ _FILM_RATE = 30.0  # the most likely rate of a film whose frames are numbered
 _USUAL = (2.0, 245.0)  # frames per second; a plausible rate for a unit that is not named
 _LONGEST_COUNT = 4.0  # steps from row to row up to which numbers may be frame numbers
 _SAMPLE = 200
+_NAMED_TIMES = 2  # the rank of columns whose names surely mean times
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,9 @@ def read_times(
         name = table.names[column]
         kind = _kind(cells, name)
         if kind is None:
+            if useless is None and _rank(name) <= _NAMED_TIMES and any(map(str.strip, cells)):
+                where = f'in "{shown(name)}" of a form that is not known'
+                useless = RowTimes(NoTimes(f'has times {where}, such as "{shown(cells[0])}"'))
             continue
         try:
             kind, timing = _READERS[kind](cells, name)
@@ -158,6 +163,12 @@ def text_times(cells: Sequence[str], name: str = "time") -> Timing:
 
 
 def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:
+    if cells[row] == cells[0] and row + 1 < len(cells):
+        return table.error(
+            f"the times begin again at {shown(cells[row])}: a second take follows",
+            "move its rows to a file of their own",
+            lines[row],
+        )
     return table.error(
         f"the time {shown(cells[row])} does not come after {shown(cells[row - 1])}",
         "sort the rows by time and remove repeated ones",

@@ -214,7 +214,7 @@ def derive_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
 
 def _clock(match: re.Match[str], row: int) -> int:
     hours, minutes, seconds = int(match[1]), int(match[2]), int(match[3])
-    if hours > 23 or minutes > 59 or seconds > 59:
+    if minutes > 59 or seconds > 59:  # some tools count on past midnight
         raise BadTimecode(row, match[0])
     return (hours * 60 + minutes) * 60 + seconds
 
