@@ -114,12 +114,8 @@ class Table:
                 continue
             cells = self.cells(line)
             is_row = cells[0] == self.mark if self.mark else any(map(bytes.strip, cells))
-            if is_row and self._has_face(cells) and not self._is_header(cells):
+            if is_row and self._has_face(cells):
                 yield line, cells
-
-    def _is_header(self, cells: Cells) -> bool:
-        """Whether a row repeats the names of the columns, as at the top of each printed page."""
-        return self.names[0] == plain_text(cells[0]) and self.names == tuple(map(plain_text, cells))
 
     def _has_face(self, cells: Cells) -> bool:
         """Whether a row is one of the face that is read."""
@@ -153,8 +149,12 @@ class Table:
         flagged: list[bool] = []
         flat = array("d")
         units: tuple[str, ...] = ()
+        head = self.cells(self.header) if self.header >= 0 else [b""]
+        head[0] = head[0].removeprefix(BOM)
         nothing, width = array("d", [np.nan]) * len(number_columns), len(self.names)
         for line, cells in self.rows():
+            if cells[0] == head[0] and cells == head:  # repeated, as on each page of a print
+                continue
             if not texts and _is_units(cells, text_columns, number_columns):
                 units = tuple(plain_text(cells[k]) for k in number_columns)
                 continue

@@ -75,7 +75,7 @@ def test_numbers_of_a_state_say_nothing(tmp_path: Path, name: str) -> None:
 def test_a_row_of_several_words_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "take.csv"
     rows = [row(n) for n in range(FRAMES)]
-    path.write_text(table(["time_s", *NAMES], [*rows[:20], ["time_s", *NAMES], *rows[20:]]))
+    path.write_text(table(["time_s", *NAMES], [*rows[:20], ["time_s", *NAMES[::-1]], *rows[20:]]))
     with pytest.raises(FileError, match="line 22"):
         open_take(path)
 
