@@ -245,7 +245,8 @@ def _numbered_at_broadcast_rate(stamps: Stamps, plain: Reading) -> Iterator[Read
     if left_out and even and len(inside) and np.median(inside) == 1:
         lost = (inside != 1).sum() + 1
         if (lost / len(plain_steps)) ** left_out < _CHANCE:
-            yield Reading(places, rate, plain.base, 0.0)
+            note = f"frame numbers skip as at {rate:.2f} fps: no frame is lost there"
+            yield Reading(places, rate, plain.base, 0.0, (note,))
 
 
 def _unevenness(places: Times) -> float:
