@@ -32,7 +32,7 @@ from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import encoded_take
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import RoundingSource, Take
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.networks.engine import Engine
@@ -72,7 +72,9 @@ class EditSession(EditHistory):
         self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
         self._answered = self.state  # what the arrays show
-        live = self.live = Live(self._solver)
+        source = take.source
+        shows = source.as_written if isinstance(source, RoundingSource) else None
+        live = self.live = Live(self._solver, shows)
         self.tracked, self.asked = live.tracked, live.asked
         self.achieved, self.weights, self.rotations = live.achieved, live.weights, live.rotations
 
@@ -124,7 +126,7 @@ class EditSession(EditHistory):
         return self.shown_rig.from_arkit(source[frame])
 
     def changed_frames(self) -> int:
-        """The number of frames that differ from the take as tracked."""
+        """The number of frames that differ from the take as tracked, with its file's digits."""
         return self.live.changed_frames
 
     def _show(self, state: EditState) -> None:

@@ -13,12 +13,18 @@ from itertools import islice
 
 import numpy as np
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import CHOOSE_TAKE
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import NumberFormat, detect_format, kept_text, shortest
+from faceedit_app.formats.numbers import (
+    NumberFormat,
+    as_written,
+    detect_format,
+    kept_text,
+    shortest,
+)
 
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
@@ -167,6 +173,17 @@ class CsvSource:
             out[line] = self.table.delimiter.join(cells) + old[len(old.rstrip(b"\r\n")) :]
         return replace(self, table=replace(self.table, lines=tuple(out)))
 
+    def as_written(self, weights: Floats) -> Doubles:
+        """The numbers for weights (N, K); see `take.RoundingSource.as_written`."""
+        return as_written(weights, self.scale, self._form(self.columns, self.scale))
+
+    def _form(self, columns: Sequence[int], scale: float) -> NumberFormat:
+        """How the numbers of some columns are written."""
+        known = tuple(columns)
+        if known not in self.formats:
+            self.formats[known] = detect_format(self._sample(columns), scale)
+        return self.formats[known]
+
     def texts(self, column: int) -> list[str]:
         """(T) the texts of the frames in a column."""
         cells = (self.table.cells(line) for line in self.lines)
@@ -178,10 +195,7 @@ class CsvSource:
         Args:
             scale: the value of a full blendshape, 1 for other numbers.
         """
-        known = tuple(columns)
-        if known not in self.formats:
-            self.formats[known] = detect_format(self._sample(columns), scale)
-        write, decimal = self.formats[known].write, self.table.decimal
+        write, decimal = self._form(columns, scale).write, self.table.decimal
         return lambda number: write(number).replace(b".", decimal)
 
     def _sample(self, columns: Sequence[int]) -> Iterator[bytes]:

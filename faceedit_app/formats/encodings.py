@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from faceedit_app.core.arrays import Floats
-from faceedit_app.formats.take import FillableSource, RotatingSource, Source, SureSource, Take
+import numpy as np
+
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.formats.take import (
+    FillableSource,
+    RotatingSource,
+    RoundingSource,
+    Source,
+    SureSource,
+    Take,
+)
 
 _SAMPLE = 256  # bytes that show whether every second one is 0
 _FEWEST = 8
@@ -65,6 +74,12 @@ class RecodedSource:
         if not isinstance(self.source, SureSource):
             return self
         return replace(self, source=self.source.as_sure(tracked, edited))
+
+    def as_written(self, weights: Floats) -> Doubles:
+        """See `take.RoundingSource.as_written`."""
+        if not isinstance(self.source, RoundingSource):
+            return weights.astype(np.float64)
+        return self.source.as_written(weights)
 
     def with_faces(self, weights: Floats) -> RecodedSource:
         """See `take.FillableSource.with_faces`."""

@@ -23,7 +23,13 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
 from faceedit_app.formats.lost_faces import LEAST_SURE
-from faceedit_app.formats.numbers import detect_format, kept_text, shortest
+from faceedit_app.formats.numbers import (
+    NumberFormat,
+    as_written,
+    detect_format,
+    kept_text,
+    shortest,
+)
 
 # Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
@@ -208,7 +214,7 @@ class JsonSource:
         where, numbers = self._sure_numbers()
         if changed.any():
             values = shortest(edited[changed]) * self.scale
-            write = detect_format(self._sample(), self.scale).write
+            write = self._form.write
             where = np.concatenate([where, self.places[changed]])
             numbers = [*numbers, *(write(value) for value in values.tolist())]
         if not numbers:
@@ -232,6 +238,14 @@ class JsonSource:
         changed = np.isfinite(self.sure)
         numbers = [f"{value:.3f}".encode() for value in self.sure[changed].tolist()]
         return self.sure_places[changed], numbers
+
+    def as_written(self, weights: Floats) -> Doubles:
+        """The numbers for weights (N, K); see `take.RoundingSource.as_written`."""
+        return as_written(weights, self.scale, self._form)
+
+    @cached_property
+    def _form(self) -> NumberFormat:
+        return detect_format(self._sample(), self.scale)
 
     def _sample(self) -> list[bytes]:
         places = self.places[self.places >= 0]

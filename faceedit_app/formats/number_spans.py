@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.arrays import Floats
-from faceedit_app.formats.numbers import NumberFormat, detect_format, kept_text, shortest
+from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.formats.numbers import (
+    NumberFormat,
+    as_written,
+    detect_format,
+    kept_text,
+    shortest,
+)
 
 _FORMAT_SAMPLE = 10_000
 WHOLE = NumberFormat(0, padded=True)
@@ -53,12 +60,20 @@ class SpanSource:
             done = end
         return b"".join([*pieces, self.content[done:]])
 
+    def as_written(self, weights: Floats) -> Doubles:
+        """The numbers for weights (N, K); see `take.RoundingSource.as_written`."""
+        return as_written(weights, self.scale, self._form)
+
+    @cached_property
+    def _form(self) -> NumberFormat:
+        """How the file writes its numbers."""
+        if self.form is not None:
+            return self.form
+        flat = self.spans.reshape(-1, 2)
+        sample = islice(flat.tolist(), 0, None, max(1, len(flat) // _FORMAT_SAMPLE))
+        texts = (self.content[a:b].replace(self.decimal, b".") for a, b in sample)
+        return detect_format(texts, self.scale)
+
     def _writer(self) -> Callable[[float], bytes]:
-        form = self.form
-        if form is None:
-            flat = self.spans.reshape(-1, 2)
-            sample = islice(flat.tolist(), 0, None, max(1, len(flat) // _FORMAT_SAMPLE))
-            texts = (self.content[a:b].replace(self.decimal, b".") for a, b in sample)
-            form = detect_format(texts, self.scale)
-        write = form.write
+        write = self._form.write
         return lambda number: write(number).replace(b".", self.decimal)

@@ -63,6 +63,12 @@ def shortest(weights: Floats) -> Doubles:
     return found
 
 
+def as_written(weights: Floats, scale: float, form: NumberFormat) -> Doubles:
+    """The numbers that a file shows for weights, on its scale."""
+    numbers: Doubles = shortest(weights) * scale
+    return numbers if form.exponent else np.round(numbers, form.decimals)
+
+
 def kept_text(old: bytes, new: bytes, decimal: bytes = b".") -> bytes:
     """The old text of a number if the new one is the same number, else the new text."""
     try:

@@ -74,6 +74,15 @@ class SureSource(Source, Protocol):
 
 
 @runtime_checkable
+class RoundingSource(Source, Protocol):
+    """A source whose numbers have few digits."""
+
+    def as_written(self, weights: Floats) -> Doubles:
+        """(N, K) the numbers that the file would show for weights (N, K)."""
+        ...
+
+
+@runtime_checkable
 class FillableSource(Source, Protocol):
     """A source with rows in which the face was lost."""
 

@@ -293,3 +293,19 @@ def test_edits_saved_and_loaded_give_the_same_export(tmp_path: Path) -> None:
     np.testing.assert_array_equal(other.weights, session.weights)
     other.undo()
     assert other.edits == ()
+
+
+@pytest.mark.parametrize("decimals", [2, 4, 10])
+def test_as_many_frames_are_changed_as_rows_of_the_export_differ(
+    tmp_path: Path, decimals: int
+) -> None:
+    """A change below the file's digits is in no row."""
+    session = session_by_rig(make_livelink_csv(tmp_path / "take.csv", decimals=decimals))
+    session.add(Edit(("mouth_opening",), Op.OFFSET, 0.8, 1.2, 0.3, 3.0))
+    session.export(tmp_path / "out.csv")
+    pairs = zip(
+        (tmp_path / "take.csv").read_text().splitlines(),
+        (tmp_path / "out.csv").read_text().splitlines(),
+        strict=True,
+    )
+    assert session.changed_frames() == sum(1 for before, after in pairs if before != after) > 0

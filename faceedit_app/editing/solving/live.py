@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import islice
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.editing.solving.channel_edits import Task
 from faceedit_app.editing.solving.chunks import Rows
 from faceedit_app.editing.solving.solver import Solver
@@ -28,10 +29,17 @@ class Live:
         rotations: (T, 9) radians, as `Clip.rotations`; None if the take has none.
         patience: about how many seconds `show` may take; the rest is left to `work`. None = as
             long as it takes.
+
+    Args:
+        as_written: the numbers that the take's file would show for weights (N, K), which decide
+            whether a frame is changed; None = the weights themselves do.
     """
 
-    def __init__(self, solver: Solver) -> None:
-        self._solver = solver
+    def __init__(
+        self, solver: Solver, as_written: Callable[[Floats], Doubles] | None = None
+    ) -> None:
+        self._solver, self._as_written = solver, as_written
+        self._columns = [ARKIT_INDEX[channel] for channel in solver.clip.channels]
         self.tracked: Floats = solver.controls
         self.asked: Floats = solver.controls.copy()
         self.achieved: Floats = solver.controls.copy()
@@ -123,10 +131,19 @@ class Live:
         self._turn(rows, patch.rotations)
         self._note(rows)
         self._shown[chunk] = task
-        differs = (patch.weights != self._solver.tracked[rows]).any(axis=1)
+        differs = self._differing(patch.weights, self._solver.tracked[rows])
         if self._turns is not None and patch.rotations is not None:
             differs |= (patch.rotations != self._turns[rows]).any(axis=1)
         self._changed[chunk] = int(differs.sum())
+
+    def _differing(self, weights: Floats, tracked: Floats) -> Bools:
+        """(N,) which rows of weights (N, 52) the file shows to differ from those as tracked."""
+        differs: Bools = (weights != tracked).any(axis=1)
+        if self._as_written is not None and differs.any():
+            pair = (rows[differs][:, self._columns] for rows in (weights, tracked))
+            now, then = map(self._as_written, pair)
+            differs[differs] = (now != then).any(axis=1)
+        return differs
 
     def _turn(self, rows: slice, rotations: Floats | None) -> None:
         """Show rotations on some frames; None = as tracked."""
