@@ -27,6 +27,10 @@ from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.container import check
 
+_LIKE_THE_TAKE = (
+    "The file is laid out like the take, for programs that open the take. For others, choose a "
+    "format by its name."
+)
 _HEAD = tuple(name for name in ROTATIONS if name.startswith("head"))
 
 
@@ -74,6 +78,8 @@ class OutFormat:
 
     def hints(self, rate: float) -> list[str]:
         """What to do with the file in other programs, a sentence each."""
+        if self.is_own:
+            return [_LIKE_THE_TAKE]
         shown = format_rate(rate)
         return [f"{tool}: {text.format(rate=shown)}." for tool, text in self.kind.hints]
 

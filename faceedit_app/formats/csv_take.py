@@ -29,6 +29,7 @@ from faceedit_app.formats.lost_faces import (
     CONFIDENCE,
     LEAST_SURE,
     confidence_of,
+    count_without_footer,
     flag_column,
     is_count,
     letters,
@@ -167,6 +168,8 @@ def csv_take(
     table, faces = _one_face(table)
     places = _Places.of(table, found)
     rows = table.read(places.texts, found.indices, places.flag)
+    count = count_without_footer(rows.texts, rows.lost)
+    rows = replace(rows, texts=rows.texts[:count], lost=rows.lost[:count])
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
     times = _times(table, places, rows)

@@ -21,16 +21,17 @@ _OTHER_RATES = {"samplerate", "samplingrate", "rate", "hz", "frequency", "ticksp
 _FASTEST_CAMERA = 245.0  # frames per second
 _NUMERATORS, _DENOMINATORS = ("numerator", "num"), ("denominator", "den", "denom")
 _DEEPEST, _MOST = 3, 100  # objects below one another, and beside one another
+_SAMPLE = 20  # entries of a list that are compared
 _NEAR = 1  # levels at which a rate of something is that of the frames
 
 
 def frame_rate(text: JsonText, document: Any) -> float | None:
     """The frames per second that a field gives, in the document or in objects below.
 
-    In a list, such as JSON Lines, the first entry counts.
+    Of a list, such as that of the frames, the first entry counts, but no number that differs in
+    others: a rate that was measured at each frame is no frame rate.
     """
-    outer = as_object(document[0] if isinstance(document, list) and document else document)
-    for depth, entry in _levels(outer):
+    for depth, entry in _levels(text, _as_one(text, document)):
         for name, value in islice(entry.items(), _MOST):
             rate = _rate(text, name, value, depth)
             if rate is not None:
@@ -40,11 +41,9 @@ def frame_rate(text: JsonText, document: Any) -> float | None:
 
 def likely_rate(text: JsonText, otherwise: float = DEFAULT_RATE) -> float:
     """The rate that a text in the document mentions, or the usual one."""
-    document = text.document
-    outer = as_object(document[0] if isinstance(document, list) and document else document)
     texts = (
         value
-        for _, entry in _levels(outer)
+        for _, entry in _levels(text, _as_one(text, text.document))
         for value in islice(entry.values(), _MOST)
         if isinstance(value, str)
     )
@@ -52,13 +51,29 @@ def likely_rate(text: JsonText, otherwise: float = DEFAULT_RATE) -> float:
     return stated.rate if stated else otherwise
 
 
-def _levels(outer: Mapping[str, Any]) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def _levels(text: JsonText, outer: Mapping[str, Any]) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """The objects of a document with their depths, level by level."""
     level: list[Mapping[str, Any]] = [outer]
     for depth in range(_DEEPEST + 1):
         yield from ((depth, entry) for entry in level)
         values = (value for entry in level for value in islice(entry.values(), _MOST))
-        level = list(islice((value for value in values if isinstance(value, dict)), _MOST))
+        objects = (found for value in values if (found := _as_one(text, value)))
+        level = list(islice(objects, _MOST))
+
+
+def _as_one(text: JsonText, value: Any) -> Mapping[str, Any]:
+    """An object; or of a list of objects, the fields of the first without varying numbers."""
+    if not isinstance(value, list):
+        return as_object(value)
+    some = [as_object(entry) for entry in value[:: len(value) // _SAMPLE + 1]]
+    if not some:
+        return {}
+
+    def is_same(name: str, one: Any) -> bool:
+        number = text.number(one)
+        return all(text.number(entry.get(name, one)) == number for entry in some)
+
+    return {name: one for name, one in islice(some[0].items(), _MOST) if is_same(name, one)}
 
 
 def _rate(text: JsonText, name: str, value: Any, depth: int) -> float | None:

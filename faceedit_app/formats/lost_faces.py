@@ -118,6 +118,21 @@ def lost_rows(numbers: Doubles, flagged: Bools) -> Bools:
     return lost
 
 
+def count_without_footer(texts: Sequence[Sequence[str]], lost: Bools) -> int:
+    """How many of R rows are left without those at the end that are no rows, such as `END`.
+
+    Args:
+        texts: (R) the texts of a row in some columns; its time, if it were a row, has a digit.
+        lost: (R,) which rows have no frame.
+    """
+    count = len(lost)
+    while count and lost[count - 1] and any(texts[count - 1]):
+        if any(letter.isdigit() for text in texts[count - 1] for letter in text):
+            break
+        count -= 1
+    return count
+
+
 def blank_notes(weights: Floats) -> tuple[str, ...]:
     """The note about frames of (T, K) in which all weights drop to 0 at once.
 

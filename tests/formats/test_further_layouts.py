@@ -40,6 +40,8 @@ def at(n: int, rate: int = 30) -> str:
     return f"{n // rate:02d}.{n % rate * 1000 // rate:03d}"
 
 
+columns = [list(column) for column in zip(*weights(), strict=True)]
+
 OPENED: dict[str, tuple[str, float]] = {
     "a header on each page": (lines_of([*table()[:31], table()[0], *table()[31:]]), 30),
     "rows of a table in JSON": (
@@ -63,6 +65,21 @@ OPENED: dict[str, tuple[str, float]] = {
     "nanoseconds since 1970": (
         lines_of(table(lambda n: f"{1_700_000_000_000_000_000 + n * 10**9 // 30}", "timestamp")),
         30,
+    ),
+    "a word at the end": (lines_of([*table(), "END"]), 30),
+    "the end of a file of DOS": (lines_of(table()) + "\x1a", 30),
+    "a frame rate in each entry of JSON": (
+        json.dumps(
+            [
+                {"frame": n, "fps": 25, **dict(zip(NAMES, row, strict=True))}
+                for n, row in enumerate(weights())
+            ]
+        ),
+        25,
+    ),
+    "a frame rate in a list of JSON": (
+        json.dumps({"clips": [{"fps": 25, "values": dict(zip(NAMES, columns, strict=True))}]}),
+        25,
     ),
     "scientific notation": (lines_of(table(cell="{:.3E}")), 30),
 }
@@ -92,6 +109,15 @@ def test_it_opens_at_its_rate_and_an_edit_changes_one_number(
 
 
 REFUSED: dict[str, tuple[str, str]] = {
+    "a rate that was measured at each frame": (
+        json.dumps(
+            [
+                {"fps": 29.5 + n / 50, **dict(zip(NAMES, row, strict=True))}
+                for n, row in enumerate(weights())
+            ]
+        ),
+        "give its frame rate",
+    ),
     "two takes": (
         lines_of([*table(), *table()[1:]]),
         "line 62: the times begin again at 0.0000: a second take follows; move its rows",
