@@ -13,7 +13,7 @@ or both sides of a channel, and have names that no take has.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from difflib import get_close_matches
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -71,16 +71,17 @@ def _joined(name: str) -> str | None:
     return None
 
 
-def similar_channel(name: str, channels: Iterable[str]) -> str | None:
+def similar_channel(name: str, channels: Collection[str]) -> str | None:
     """The one of some ARKit names that was probably meant by a name with a typing error, or None.
 
     Only for messages: no take is read by it.
     """
     if len(name) > _LONGEST:
         return None
-    keys = {_key(channel): channel for channel in channels}
-    close = get_close_matches(_key(name), keys, 1, _SIMILAR)
-    return keys[close[0]] if close else None
+    key = _key(name)
+    near = [k for k, one in _BY_KEY.items() if one in channels and abs(len(k) - len(key)) <= 2]
+    close = get_close_matches(key, near, 1, _SIMILAR)
+    return _BY_KEY[close[0]] if close else None
 
 
 def _key(name: str) -> str:

@@ -35,7 +35,7 @@ from faceedit_app.formats.weights import (
     scale_of,
 )
 
-_MOST_NAMES = 500  # that are compared with those of channels
+_MOST_NAMES = 200  # that are compared with those of channels
 _RESOLUTION = 1e-3  # seconds
 _MOST_SHOWN = 4  # rates in a note
 _LONGEST = 24 * 3600.0  # seconds
