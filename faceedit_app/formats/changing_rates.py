@@ -15,7 +15,7 @@ from faceedit_app.formats.rates import nominal_rate
 
 _FEWEST = 12  # steps of a stretch
 _MOST = 8  # stretches of one take
-_EVEN = 0.06  # share of a step by which others in its stretch may be off
+_EVEN = 0.03  # share of a step by which others in its stretch may be off
 _APART = 1.03  # factor between two rates
 _SLOWEST = 5.5  # frames from row to row of a stretch; beyond, they were lost
 _COVERED = 0.9  # share of the steps that must be in stretches

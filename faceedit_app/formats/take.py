@@ -223,7 +223,7 @@ def finish_take(
 
 def _rate_notes(timing: Timing) -> tuple[str, ...]:
     """The note about a frame rate that changes in the take."""
-    found = stretches(timing.times, _RESOLUTION)
+    found = stretches(timing.times) or stretches(timing.times, _RESOLUTION)
     if not found:
         return ()
     until = [

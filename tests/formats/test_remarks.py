@@ -127,6 +127,7 @@ CHANGES: dict[str, tuple[tuple[tuple[int, float], ...], float, str]] = {
     "25 to 50": (((60, 25), (119, 50)), 50, "25 fps until 0:02.400, then 50 fps"),
     "50 to 25": (((100, 50), (59, 25)), 50, "50 fps until 0:02.000, then 25 fps"),
     "25 to 30": (((100, 25), (100, 30)), 30, "25 fps until 0:04.000, then 30 fps"),
+    "30 to 24": (((100, 30), (100, 24)), 30, "30 fps until 0:03.333, then 24 fps"),
     "slower for a while": (
         ((60, 60), (30, 30), (60, 60)),
         60,
@@ -150,6 +151,13 @@ def test_a_frame_rate_that_changes_is_said_and_makes_no_gaps(
     assert (take.clip.rate, take.clip.gaps) == (rate, ())
     np.testing.assert_allclose(take.clip.times, times, atol=6e-4)
     assert take.notes == (f"the frame rate changes: {said}",)
+
+
+def test_24_and_25_fps_are_told_apart_if_the_times_are_fine_enough(tmp_path: Path) -> None:
+    times = at_rates((100, 24), (100, 25)).round(4)
+    take = opened(tmp_path, np.resize(face(), (len(times), len(NAMES))), times=times)
+    assert take.clip.rate == 25
+    assert take.notes == ("the frame rate changes: 24 fps until 0:04.167, then 25 fps",)
 
 
 @pytest.mark.parametrize("lost", [[20], [20, 21, 22, 23], range(20, 80, 7)])
