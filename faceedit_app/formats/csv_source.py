@@ -85,6 +85,7 @@ class CsvSource:
         confidence: the column of the tracker's confidence, if any.
         seconds: the column of the times, if they are seconds.
         clock: the column of the times, if they are timecodes.
+        ticks: the column of the times, if they are in another unit, and how many make a second.
         formats: how the numbers of some columns are written, once that is known.
     """
 
@@ -98,6 +99,7 @@ class CsvSource:
     confidence: int | None = None
     seconds: int | None = None
     clock: int | None = None
+    ticks: tuple[int, float] | None = None
     formats: dict[tuple[int, ...], NumberFormat] = field(
         default_factory=dict, repr=False, compare=False
     )

@@ -1,7 +1,7 @@
 """Write a clip with other frames than a CSV has, in the style of that CSV.
 
 Its separator, decimal sign, names, scale, digits, line ends and the base of its timecode are kept.
-Times that are neither timecodes nor seconds become seconds, and columns that are no channels are
+Times that are neither timecodes nor numbers become seconds, and columns that are no channels are
 left out.
 """
 
@@ -121,6 +121,12 @@ def _times(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> tuple[_Colu
             style, note = style.finer(), _IN_THOUSANDTHS
         cells = [style.text(second).encode() for second in seconds.tolist()]
         return _Column(source.clock, names[source.clock], cells), note
+    if source.ticks is not None:
+        place, ticks = source.ticks
+        first = source.texts(place)[0]
+        digits, begin = len(first.partition(".")[2]), float(first)
+        texts = (f"{begin + time * ticks:.{digits}f}" for time in clip.times.tolist())
+        return _Column(place, names[place], [t.encode().replace(b".", decimal) for t in texts]), ""
     cells = [f"{time:.6f}".encode().replace(b".", decimal) for time in clip.times.tolist()]
     if place is None:
         return _Column(-1, _SECONDS, cells), _IN_SECONDS

@@ -42,6 +42,8 @@ from faceedit_app.formats.timing import NoTimes
 from faceedit_app.formats.weights import PERCENT
 
 _FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
+_TICKS = (1e3, 1e6, 1e7, 1e9)  # of a second, in units that files use
+_ROUNDED = 0.02  # relative error of a few of them
 _FEWEST_TIMES = 8  # that run forward in a column whose name does not say that it has times
 _PERCENT = re.compile(r"[\[(]?(?:%|percent|pct|0\s*(?:-|\.\.|to)\s*100)[\])]?", re.IGNORECASE)
 # Live Link Face's rotations, which an export at another rate must not lose.
@@ -210,6 +212,7 @@ def csv_take(
         confidence=places.confidence,
         seconds=times.column if times.kind == "seconds" else None,
         clock=times.column if times.kind == "timecode" else None,
+        ticks=_ticks(places, rows, times),
     )
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:
@@ -295,6 +298,19 @@ def _timecodes(places: _Places, rows: Rows, times: RowTimes) -> tuple[str, ...] 
     if times.kind != "timecode" or times.column is None:
         return None
     return tuple(places.cells(rows, times.column))
+
+
+def _ticks(places: _Places, rows: Rows, times: RowTimes) -> tuple[int, float] | None:
+    """The column of times in another unit, and how many of these make a second."""
+    if times.kind != "number" or times.column is None or isinstance(times.timing, NoTimes):
+        return None
+    cells = places.cells(rows, times.column)
+    if not is_number(cells[0]) or not is_number(cells[-1]):  # with a unit
+        return None
+    measured = (float(cells[-1]) - float(cells[0])) / float(times.timing.times[-1])
+    fits = (ticks for ticks in _TICKS if abs(measured / ticks - 1) < _ROUNDED)
+    ticks = next(fits, None)
+    return None if ticks is None else (times.column, ticks)
 
 
 def _rotations(places: _Places, rows: Rows) -> Floats | None:

@@ -154,12 +154,39 @@ def test_what_cannot_be_kept_of_a_timecode_is_said(
     assert out.read_text().startswith("Timecode;BlendshapeCount;")
 
 
+@pytest.mark.parametrize(
+    ("name", "stamp"),
+    [
+        ("time_ms", lambda n: f"{n * 40}"),
+        ("timestamp", lambda n: f"{1_700_000_000_000 + n * 40}.25"),
+        ("timestamp_us", lambda n: f"{500 + n * 40_000}"),
+    ],
+)
+def test_a_cut_keeps_the_unit_of_the_times(
+    tmp_path: Path,
+    name: str,
+    stamp: Callable[[int], str],
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    take, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    rows = [f"{stamp(n)},0.{n:04d}" for n in range(FRAMES)]
+    take.write_text("\n".join([f"{name},jawOpen", *rows]) + "\n")
+    assert main(["retime", str(take), "--cut", "0.8-1.6", "-o", str(out)]) == 0
+    assert "its times" not in capfd.readouterr().out
+    written = out.read_text().splitlines()
+    assert written[:15] == take.read_text().splitlines()[:15]
+    assert [line.split(",")[0] for line in written[1:]] == [stamp(n) for n in range(FRAMES - 20)]
+    assert open_take(out).clip.rate == 25
+
+
 def test_times_that_become_seconds_are_said(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     take, out = tmp_path / "take.csv", tmp_path / "out.csv"
-    rows = "".join(f"{n * 40},0.{n:02d}\n" for n in range(FRAMES))
-    take.write_text("time_ms,jawOpen\n" + rows)
+    rows = "".join(
+        f"2024-03-01T12:00:{n // 25:02d}.{n % 25 * 40:03d},0.{n:02d}\n" for n in range(FRAMES)
+    )
+    take.write_text("time,jawOpen\n" + rows)
     assert main(["retime", str(take), "--cut", "1-2", "-o", str(out)]) == 0
     assert "its times are now seconds, as time_s" in capfd.readouterr().out
 
