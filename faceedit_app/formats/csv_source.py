@@ -176,7 +176,7 @@ class CsvSource:
         return replace(self, table=replace(self.table, lines=tuple(out)))
 
     def as_written(self, weights: Floats) -> Doubles:
-        """The numbers for weights (N, K); see `take.RoundingSource.as_written`."""
+        """See `take.RoundingSource.as_written`."""
         return as_written(weights, self.scale, self._form(self.columns, self.scale))
 
     def _form(self, columns: Sequence[int], scale: float) -> NumberFormat:

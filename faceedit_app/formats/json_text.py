@@ -240,7 +240,7 @@ class JsonSource:
         return self.sure_places[changed], numbers
 
     def as_written(self, weights: Floats) -> Doubles:
-        """The numbers for weights (N, K); see `take.RoundingSource.as_written`."""
+        """See `take.RoundingSource.as_written`."""
         return as_written(weights, self.scale, self._form)
 
     @cached_property

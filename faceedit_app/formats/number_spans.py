@@ -61,7 +61,7 @@ class SpanSource:
         return b"".join([*pieces, self.content[done:]])
 
     def as_written(self, weights: Floats) -> Doubles:
-        """The numbers for weights (N, K); see `take.RoundingSource.as_written`."""
+        """See `take.RoundingSource.as_written`."""
         return as_written(weights, self.scale, self._form)
 
     @cached_property

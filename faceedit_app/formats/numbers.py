@@ -16,7 +16,8 @@ from faceedit_app.formats.weights import BYTES, PERCENT, PERMILLE
 # Coarser than this, an edited curve would move in visible steps.
 _LEAST_PADDED, _LEAST_TRIMMED = 4, 6
 _MOST_TRIMMED = 9  # the digits that float32 needs
-_FEWEST = 4  # digits that changed weights have
+_FEWEST = 5  # digits that changed weights have at most
+_ALL = 7  # digits that show any change of a weight
 _NUMBER = re.compile(rb"[+-]?\d*(?:\.(\d*))?([eE][+-]?\d+)?")
 
 
@@ -53,20 +54,25 @@ class NumberFormat:
 
 def shortest(weights: Floats) -> Doubles:
     """The decimal numbers with the fewest digits that single precision keeps as these weights."""
-    found = weights.astype(np.float64)
-    rest = np.ones(found.shape, bool)
-    for decimals in range(_FEWEST, _MOST_TRIMMED):
-        short = np.round(found, decimals)
-        fits = rest & (short.astype(np.float32) == weights)
-        found[fits] = short[fits]
-        rest &= ~fits
+    found: Doubles = weights.astype(np.float64).round(_FEWEST)
+    rest = found.astype(np.float32) != weights
+    for decimals in range(_FEWEST + 1, _MOST_TRIMMED + 1):
+        if not rest.any():
+            break
+        exact = weights[rest].astype(np.float64)
+        short = np.round(exact, decimals)
+        fits = short.astype(np.float32) == weights[rest]
+        found[rest] = np.where(fits, short, exact)
+        rest[rest] = ~fits
     return found
 
 
 def as_written(weights: Floats, scale: float, form: NumberFormat) -> Doubles:
-    """The numbers that a file shows for weights, on its scale."""
-    numbers: Doubles = shortest(weights) * scale
-    return numbers if form.exponent else np.round(numbers, form.decimals)
+    """Numbers that differ where those that a file shows for weights do."""
+    if form.exponent or form.decimals >= _ALL:
+        return weights.astype(np.float64)
+    numbers: Doubles = (shortest(weights) * scale).round(form.decimals)
+    return numbers
 
 
 def kept_text(old: bytes, new: bytes, decimal: bytes = b".") -> bytes:

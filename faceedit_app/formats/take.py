@@ -78,7 +78,7 @@ class RoundingSource(Source, Protocol):
     """A source whose numbers have few digits."""
 
     def as_written(self, weights: Floats) -> Doubles:
-        """(N, K) the numbers that the file would show for weights (N, K)."""
+        """(N,) numbers that differ where those that the file would show for weights (N,) do."""
         ...
 
 

@@ -11,6 +11,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from itertools import islice
 
+import numpy as np
+
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.editing.solving.channel_edits import Task
@@ -31,8 +33,8 @@ class Live:
             long as it takes.
 
     Args:
-        as_written: the numbers that the take's file would show for weights (N, K), which decide
-            whether a frame is changed; None = the weights themselves do.
+        as_written: numbers that differ where those that the take's file would show for weights
+            (N,) do, which decides whether a frame is changed; None = the weights themselves do.
     """
 
     def __init__(
@@ -40,6 +42,8 @@ class Live:
     ) -> None:
         self._solver, self._as_written = solver, as_written
         self._columns = [ARKIT_INDEX[channel] for channel in solver.clip.channels]
+        if as_written is not None:
+            as_written(np.zeros(0, np.float32))  # finds the file's digits before the first drag
         self.tracked: Floats = solver.controls
         self.asked: Floats = solver.controls.copy()
         self.achieved: Floats = solver.controls.copy()
@@ -140,9 +144,10 @@ class Live:
         """(N,) which rows of weights (N, 52) the file shows to differ from those as tracked."""
         differs: Bools = (weights != tracked).any(axis=1)
         if self._as_written is not None and differs.any():
-            pair = (rows[differs][:, self._columns] for rows in (weights, tracked))
-            now, then = map(self._as_written, pair)
-            differs[differs] = (now != then).any(axis=1)
+            changed = weights != tracked
+            now, then = self._as_written(weights[changed]), self._as_written(tracked[changed])
+            changed[changed] = now != then
+            differs = changed[:, self._columns].any(axis=1)
         return differs
 
     def _turn(self, rows: slice, rotations: Floats | None) -> None:
