@@ -115,6 +115,19 @@ def test_a_wink_moves_nothing_of_the_other_eye(lid: str, falloff: float) -> None
     assert session.achieved[rows, CONTROL_INDEX[lid]].min() < 0.5
 
 
+def test_eyes_that_are_held_shut_are_shut_and_still() -> None:
+    weights = demo().weights.copy()
+    blinks = [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]
+    weights[:, blinks] *= 0.8  # blinks of this take leave the eyes a little open
+    session = session_on(with_weights(demo(), weights))
+    session.add(Edit(LIDS, Op.SET, 2.0, 4.0, 0.3, 0.0))
+    rows = held(session, 2.0, 4.0)
+    assert session.achieved[rows][:, [CONTROL_INDEX[lid] for lid in LIDS]].max() < 0.1
+    columns = [i for c, i in ARKIT_INDEX.items() if c.startswith(("eyeBlink", "eyeSquint"))]
+    twitches = np.abs(np.diff(session.weights[rows][:, columns], 2, axis=0))
+    assert twitches.max() < 0.05  # single frames opened one eye and squinted by 0.2
+
+
 @pytest.mark.parametrize("falloff", [0.09, 0.3])
 def test_a_blink_moves_the_brows_as_blinks_do_and_not_as_grimaces(falloff: float) -> None:
     clip, weights = demo(), demo().weights.copy()

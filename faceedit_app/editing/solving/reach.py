@@ -37,6 +37,8 @@ FREE_MM = 1.5
 MISSED_MM = 1.0
 # mm: lids that a tracker has closed too far are parted in full only if they are to be this open.
 APART_MM = 1.0
+# mm by which lids that are to shut pass each other.
+PASSING_MM = 0.1
 # The longest change that still counts as natural, in standard deviations of the prior.
 NATURAL_LENGTH = 4.0
 
@@ -124,6 +126,9 @@ class Reach:
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
         self._moves = gradients.reshape(len(channels), -1)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
+        shuts = distances.shuts & distances.gradients[:, :, ::2].any(axis=(0, 2))
+        self._lids = np.flatnonzero(shuts)
+        self._upwards = np.where(distances.offsets[self._lids, 1] < 0, -1.0, 1.0)
         self._precision = np.linalg.inv(natural + 1e-6 * np.eye(len(natural)))
 
     def __call__(
@@ -220,11 +225,38 @@ class Reach:
     ) -> tuple[Doubles, Doubles]:
         """The slopes J (C, N, K) at `change`, and the wanted product of J and the change (N, C)."""
         directions = self._distances.directions(here.vectors, here.lengths, passed)
-        slopes = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
         wanted = frames.targets - here.lengths
+        if len(self._lids) and not passed:
+            self._by_height(directions, wanted, frames.targets, here.vectors)
+        slopes = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
         if here.vectors is not frames.vectors:  # else nothing has changed yet
             wanted += np.einsum("cnk,nk->nc", slopes, change)
         return slopes, wanted
+
+    def _by_height(
+        self, directions: Doubles, wanted: Doubles, targets: Doubles, vectors: Doubles
+    ) -> None:
+        """Have lids shut by their height alone, in place.
+
+        One lid lies half a millimetre behind the other, and cannot come nearer. Where they nearly
+        meet, the direction between them is that depth; eyes that are held shut would shake.
+
+        Args:
+            directions: (N, C, 3), of which those of lids become upright.
+            wanted: (N, C) mm, of which those of lids become heights.
+            targets: (N, C) mm.
+            vectors: (N, C, 3) mm.
+        """
+        lids, upwards = self._lids, self._upwards
+        asked, across = targets[:, lids], vectors[:, lids]
+        height = across[..., 1] * upwards
+        depth = np.maximum(np.hypot(across[..., 0], across[..., 2]), 1e-6)
+        tall = np.sqrt(np.maximum(asked**2 - depth**2, 0.0))
+        tall -= PASSING_MM * np.clip(1.0 - asked / depth, 0.0, 1.0)
+        tall = np.where(asked > 0, tall, np.minimum(height, -PASSING_MM))
+        wanted[:, lids] = tall - height
+        directions[:, lids] = 0.0
+        directions[:, lids, 1] = upwards
 
     def _step(
         self, frames: _Frames, slopes: Doubles, wanted: Doubles, change: Doubles, frozen: Bools
