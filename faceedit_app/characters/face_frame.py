@@ -39,6 +39,7 @@ _RISING = ((("browInnerUp",), 1.0), (_EYES, -1.0))
 _FORWARD = ("mouthPucker", "mouthFunnel")
 _STRAIGHT = 0.5  # of a shape: the share of its moves that have one direction
 _CUES, _AGREED = 3, 0.9  # how many cues are needed, and how long their mean must be
+_MASK = 0.4  # eye distances; a head's mouth is farther than this before its middle
 _LEVEL = 0.9976  # cosine of 4 degrees, for the axis through the eyes
 
 
@@ -51,12 +52,14 @@ class FaceFrame:
         origin: (3,) in the file's coordinates: midway between the eyes.
         scale: metres per unit of the file.
         swapped: whether the shapes named left move the character's right side.
+        nods: degrees by which the moves of its shapes differ from upright as it is shown.
     """
 
     axes: Doubles
     origin: Doubles
     scale: float
     swapped: bool = False
+    nods: float = 0.0
 
     def places(self, points: NDArray[np.floating]) -> Doubles:
         """Points (..., 3) of the file in the face's coordinates."""
@@ -203,20 +206,33 @@ def _frame(
     if np.linalg.norm(up) < 0.2 * apart:
         raise FileError(str(path), "its mouth is not below its eyes", "check its mouth shapes")
     away = np.linalg.norm(points - middle, axis=1)
+    head = points[away < _HEAD * apart].mean(axis=0)
+    forward = [way for way, is_forward in cues if is_forward]
     if away.max() > _BODY * apart:
         cues = ()
-    y = _upwards(up / np.linalg.norm(up), x, cues)
+    y, shown_by_moves = _upwards(up / np.linalg.norm(up), x, cues)
+    nods = np.degrees(np.arccos(np.clip(y @ shown_by_moves, -1.0, 1.0)))
     y -= x * (y @ x)
     y /= np.linalg.norm(y)
     z = np.cross(x, y)
-    backwards = bool((mouth - points[away < _HEAD * apart].mean(axis=0)) @ z < 0)
+    ahead = float((mouth - head) @ z) / apart
+    if abs(ahead) < _MASK and forward:  # no back of the head shows where the front is
+        ahead = float(forward[0] @ z)
+    backwards = ahead < 0
     if backwards:  # left and right are swapped
         x, z = -x, -z
-    return FaceFrame(np.stack((x, y, z)), middle, EYES_APART / 1000.0 / apart, backwards and named)
+    scale, axes = EYES_APART / 1000.0 / apart, np.stack((x, y, z))
+    return FaceFrame(axes, middle, scale, backwards and named, float(nods))
 
 
-def _upwards(up: Doubles, x: Doubles, cues: Sequence[tuple[Doubles, bool]]) -> Doubles:
-    """Which way is up, given that from the mouth to the eyes and the axis through the eyes."""
+def _upwards(
+    up: Doubles, x: Doubles, cues: Sequence[tuple[Doubles, bool]]
+) -> tuple[Doubles, Doubles]:
+    """Which way is up, given that from the mouth to the eyes and the axis through the eyes.
+
+    Returns:
+        The way up, and that which the moves of shapes show, or the same if they do not agree.
+    """
     ways = [up]
     for cue, is_forward in cues:
         way = np.cross(cue, x) if is_forward else cue - x * (cue @ x)
@@ -228,8 +244,9 @@ def _upwards(up: Doubles, x: Doubles, cues: Sequence[tuple[Doubles, bool]]) -> D
     mean: Doubles = np.mean(ways, axis=0)
     length = float(np.linalg.norm(mean))
     if len(ways) < _CUES or length < _AGREED:
-        return _snapped(up, _UPRIGHT)
-    return _snapped(mean / length, _SURELY)
+        way = _snapped(up, _UPRIGHT)
+        return way, way
+    return _snapped(mean / length, _SURELY), mean / length
 
 
 def _snapped(axis: Doubles, nearness: float) -> Doubles:

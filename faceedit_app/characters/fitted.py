@@ -48,6 +48,7 @@ _SURFACES = {
 }
 _CLAY = (0.52, 0.44, 0.4, 1.0)  # the colour if the file has none
 _SKIN_SHARE = 0.5  # share of skin vertices that makes a part skin
+_NODS = 15.0  # degrees; how shapes move upright heads differs by 9, and more on cartoons
 _FEWEST = 3  # matched channels that are needed to edit a face
 
 
@@ -153,6 +154,10 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     found |= _placed(character, mapping.points, assembly, welded)
     found = {name: found[name] for name in POINTS if name in found}
     remarks += assembler.remarks
+    if frame.nods > _NODS:
+        remarks.append(
+            f"the head may nod by about {frame.nods:.0f}° in its file, and is shown as it is there"
+        )
     if frame.swapped:
         remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)

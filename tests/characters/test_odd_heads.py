@@ -183,6 +183,18 @@ def test_a_head_that_nods_in_its_file_is_shown_upright(
     assert fitted.frame.axes[2] @ turn.apply([0.0, 0.0, 1.0]) > 0
 
 
+@pytest.mark.parametrize(("nods", "is_said"), [(0.0, False), (-16.0, True), (18.0, True)])
+def test_a_head_that_may_nod_a_little_is_shown_as_it_is_and_said(
+    nods: float, is_said: bool, tmp_path: Path
+) -> None:
+    out = small_glb()
+    turn = Rotation.from_euler("x", nods, degrees=True)
+    out.json["nodes"][0]["rotation"] = turn.as_quat().tolist()
+    fitted = saved(out, tmp_path)
+    np.testing.assert_allclose(fitted.frame.axes, np.eye(3), atol=1e-6)
+    assert ("nod by about" in "".join(fitted.checklist.remarks)) == is_said
+
+
 def test_shapes_for_weights_up_to_a_hundred_are_shown_and_exported_so(tmp_path: Path) -> None:
     out = small_glb()
     primitive = out.json["meshes"][0]["primitives"][0]
