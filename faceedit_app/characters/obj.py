@@ -50,7 +50,8 @@ class _Mesh:
 def read_obj(path: Path) -> Character:
     """Read an OBJ file and the files next to it with the same vertices, or a folder of them.
 
-    The neutral head is the one whose name says so, or the file itself if its name is not a shape's.
+    The neutral head is the one whose name says so, or the only one whose name is not a shape's; of
+    a file, it is the file itself if its name is not a shape's.
 
     Raises:
         FileError: there is no OBJ file, or no neutral one.
@@ -85,6 +86,9 @@ def read_obj(path: Path) -> Character:
         else:
             strangers.append(other.name)
     remarks = []
+    if path.is_dir() and not _says_neutral(neutral):
+        name = neutral.name[:60]
+        remarks.append(f"{name} is used as the neutral head, because its name is no shape's")
     for names, why in ((strangers, "other vertices"), (unread, "damaged")):
         if names and path.is_dir():
             first = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
@@ -111,7 +115,15 @@ def _neutral(folder: Path, files: list[Path]) -> Path:
         found = [p for p in files if word in p.stem.lower()]
         if found:
             return min(found, key=lambda p: len(p.stem))
+    match = match_channels([p.stem for p in files])
+    unknown = [p for p in files if p.stem in match.unknown]
+    if match.matched and len(unknown) == 1:
+        return unknown[0]
     raise FileError(folder, "has no OBJ file named neutral", _REMEDY)
+
+
+def _says_neutral(file: Path) -> bool:
+    return any(word in file.stem.lower() for word in NEUTRAL_WORDS)
 
 
 def _neutral_beside(shape: Path, files: list[Path]) -> Path:

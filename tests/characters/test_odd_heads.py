@@ -164,6 +164,14 @@ def test_a_damaged_shape_is_left_out_and_said(tmp_path: Path, content: bytes) ->
     assert "tongueOut.obj" in fitted.checklist.remarks[0]
 
 
+def test_the_only_obj_that_is_no_shape_is_the_neutral_head(tmp_path: Path) -> None:
+    folder = write_objs(tmp_path / "head")
+    (folder / "neutral.obj").rename(folder / "Bob.obj")
+    fitted = open_character(folder)
+    assert_whole(fitted)
+    assert fitted.checklist.remarks[0].startswith("Bob.obj is used as the neutral head")
+
+
 def test_a_version_at_the_end_of_a_name_does_not_hide_it(tmp_path: Path) -> None:
     assert_whole(open_character(write_glb(tmp_path / "head.glb", lambda n: f"ARKit.{n}.v2")))
 
