@@ -21,6 +21,7 @@ _LIPS = (
     *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
     *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
 )
+_CORNERS = {"mouthSmileLeft", "mouthSmileRight"}
 # If only the jaw has a shape: the share of its move that is all of it, the least such move in mm,
 # the size of a mouth in mm, and the share below which the weight of a vertex is nothing.
 _ALL_THE_WAY, _OPENED = 0.65, 3.0
@@ -74,11 +75,14 @@ class Face:
     def lips(self) -> Doubles:
         """(N,) how much the shapes of the lips, which do not move teeth, move each vertex."""
         total = np.zeros(len(self.places))
+        moved = set()
         for channel in _LIPS:
             amount = self.amount(channel)
             if amount.max(initial=0.0) > 1e-6:
                 total += amount / amount.max()
-        return total if total.any() else self._around_lower_lip()
+                moved.add(channel)
+        # Smiles alone hardly move the middle of the lips.
+        return total if moved - _CORNERS else total + self._around_lower_lip()
 
     def _around_lower_lip(self) -> Doubles:
         """(N,) 1 at the lower lip, and less around it, if only the jaw has a shape.

@@ -256,9 +256,10 @@ def test_parts_that_are_rounded_to_grids_of_their_own_are_still_one_skin(
 FEW = ("jawOpen", "eyeBlinkLeft", "eyeBlinkRight")
 
 
-def test_jaw_and_blinks_are_enough_to_find_the_mouth(tmp_path: Path) -> None:
-    """No shape moves the lips alone: they are where the skin goes down with the jaw."""
-    few = open_character(write_glb(tmp_path / "few.glb", lambda n: n if n in FEW else None))
+@pytest.mark.parametrize("more", [(), ("mouthSmileLeft", "mouthSmileRight")])
+def test_jaw_and_blinks_are_enough_to_find_the_mouth(tmp_path: Path, more: tuple[str, ...]) -> None:
+    """No shape moves the middle of the lips: it is where the skin goes down with the jaw."""
+    few = open_character(write_glb(tmp_path / "few.glb", lambda n: n if n in FEW + more else None))
     whole = open_character(write_glb(tmp_path / "head.glb"))
     assert few.checklist.doubts == few.checklist.dead == ()
     for point in ("inner_upper_lip", "inner_lower_lip", "left_mouth_corner", "right_mouth_corner"):
