@@ -21,9 +21,12 @@ _LIPS = (
     *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
     *("mouthRollLower", "mouthUpperUpLeft", "mouthLowerDownLeft"),
 )
-_CORNERS = {"mouthSmileLeft", "mouthSmileRight"}
-# If only the jaw has a shape: the share of its move that is all of it, the least such move in mm,
-# the size of a mouth in mm, and the share below which the weight of a vertex is nothing.
+# Of these, those that move the middle of both lips, and of one.
+_BOTH_LIPS = {"mouthPucker", "mouthFunnel"}
+_UPPER_LIP = {"mouthRollUpper", "mouthUpperUpLeft"}
+_LOWER_LIP = {"mouthRollLower", "mouthLowerDownLeft"}
+# If only the jaw moves the middle of both: the share of its move that is all of it, the least such
+# move in mm, the size of a mouth in mm, and the share below which a vertex weighs nothing.
 _ALL_THE_WAY, _OPENED = 0.65, 3.0
 _MOUTH_SIZE = np.array([25.0, 12.0, 20.0])
 _FAR_FROM_IT = 0.02
@@ -81,8 +84,10 @@ class Face:
             if amount.max(initial=0.0) > 1e-6:
                 total += amount / amount.max()
                 moved.add(channel)
-        # Smiles alone hardly move the middle of the lips.
-        return total if moved - _CORNERS else total + self._around_lower_lip()
+        if moved & _BOTH_LIPS or (moved & _UPPER_LIP and moved & _LOWER_LIP):
+            return total
+        around = self._around_lower_lip()
+        return around if around.any() else total
 
     def _around_lower_lip(self) -> Doubles:
         """(N,) 1 at the lower lip, and less around it, if only the jaw has a shape.

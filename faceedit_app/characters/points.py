@@ -87,7 +87,7 @@ def _lips(face: Face, opened: Doubles) -> Points:
     while tolerance < _WIDEST and (inner is None or _apart(places, *inner) > _TOUCHING):
         # Compared on the midline: the corners move much more if there are few shapes.
         near = np.where(np.abs(places[:, 0] - face.middle) < tolerance, below, 0.0)
-        strip = np.flatnonzero((near > 0.5 * near.max()) & (near > 0.0))
+        strip = _both_lips(near, opened[:, 1])
         tolerance *= 1.3
         if len(strip) < (8 if tolerance < _WIDEST else 4):
             continue
@@ -103,6 +103,24 @@ def _lips(face: Face, opened: Doubles) -> Points:
         near_it = middle[(above > -0.5) & (above < 12)]
         points[name] = int(near_it[places[near_it, 2].argmax()])
     return points
+
+
+def _both_lips(near: Doubles, drop: Doubles) -> Indices:
+    """The vertices that shapes of lips clearly move.
+
+    Args:
+        near: (N,) how much they move each vertex near the midline; 0 for others.
+        drop: (N,) mm, how the opened mouth moves each upwards.
+    """
+    moved = near > 0.0
+    clearly = moved & (near > 0.5 * near.max())
+    deepest = float(drop[moved].min(initial=0.0))
+    lower = drop < 0.5 * deepest
+    for lip in (lower, ~lower):
+        if not (clearly & lip).any():  # the other one has more shapes
+            clearly |= moved & lip & (near > 0.5 * near[lip].max(initial=0.0))
+    strip: Indices = np.flatnonzero(clearly)
+    return strip
 
 
 def _inner_lips(face: Face, opened: Doubles, strip: Indices) -> tuple[tuple[int, int], float]:

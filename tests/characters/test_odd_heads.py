@@ -256,7 +256,16 @@ def test_parts_that_are_rounded_to_grids_of_their_own_are_still_one_skin(
 FEW = ("jawOpen", "eyeBlinkLeft", "eyeBlinkRight")
 
 
-@pytest.mark.parametrize("more", [(), ("mouthSmileLeft", "mouthSmileRight")])
+@pytest.mark.parametrize(
+    "more",
+    [
+        (),
+        ("mouthSmileLeft", "mouthSmileRight"),
+        ("mouthUpperUpLeft", "mouthUpperUpRight", "mouthRollUpper"),
+        ("mouthUpperUpLeft", "mouthRollUpper", "mouthLowerDownRight", "mouthLowerDownLeft"),
+        ("mouthPucker", "mouthRollLower", "mouthLowerDownLeft"),
+    ],
+)
 def test_jaw_and_blinks_are_enough_to_find_the_mouth(tmp_path: Path, more: tuple[str, ...]) -> None:
     """No shape moves the middle of the lips: it is where the skin goes down with the jaw."""
     few = open_character(write_glb(tmp_path / "few.glb", lambda n: n if n in FEW + more else None))
