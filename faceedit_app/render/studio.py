@@ -147,12 +147,18 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._platform.release()
 
     def delete(self) -> None:
-        """Free everything on the graphics card, and the context."""
+        """Free everything on the graphics card, and the context.
+
+        As pyrender's, which then collects all of Python's garbage. That takes long, and deletes
+        widgets that are garbage, which must not happen in another thread than the window's.
+        """
         self._platform.make_current()
         self._targets.delete()
         self._kept.delete()
         self._model.delete()
-        super().delete()
+        self._renderer.delete()
+        self._platform.delete_context()
+        del self._renderer, self._platform
 
     def __del__(self) -> None:
         """Do nothing; see `Painter.__del__`."""

@@ -110,5 +110,5 @@ def ball(rows: int = 24, columns: int = 32) -> Rig:
         deltas=jaw[None],
         colors=np.tile(np.array([0.5, 0.3, 0.2, 1.0], np.float32), (len(vertices), 1)),
         materials=(Material("skin", 0, len(faces)),),
-        control_pairs=np.tile(np.array([0, 1], np.int32), (8, 1)),
+        control_pairs=np.tile(np.array([0, 1], np.int32), (len(CONTROL_IDS), 1)),
     )
