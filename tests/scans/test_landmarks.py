@@ -88,6 +88,6 @@ def test_what_only_looks_like_a_face_is_passed_over() -> None:
 @needs_tracker
 def test_a_head_without_a_face_has_no_landmarks() -> None:
     template = Template.of(shipped_rig())
-    ball = trimesh.creation.icosphere(4)
+    ball = trimesh.creation.icosphere(3)
     scan = Scan(np.asarray(ball.vertices), np.asarray(ball.faces, np.int32), None)
     assert scan_landmarks(template, scan, Imagining()) is None

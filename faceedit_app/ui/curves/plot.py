@@ -21,9 +21,8 @@ from faceedit_app.ui.curves.marks import (
     Numbers,
     Pins,
     Playhead,
+    Spans,
     dot,
-    edit_region,
-    selection_region,
 )
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
@@ -136,7 +135,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     def _fill(self) -> None:
         """Put in what is seen, from the back to the front."""
         color = self.control.color
-        self._selection, self._edit = selection_region(), edit_region()
+        self._spans = Spans(self.view)
         self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
         self._pins, self._playhead = Pins(), Playhead()
         self._dot = dot(2.5, color, color)
@@ -145,8 +144,6 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.handle: Handle | None = None
         self._handle_dot.hide()
         for item in (
-            self._selection,
-            self._edit,
             self._gaps,
             self._pins,
             GridLines(self.axis),
@@ -203,8 +200,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         """Draw spans, playhead (seconds) and handle; `dot` is the face's value at the playhead."""
         if marks != self._marks:
             self._marks = marks
-            self._selection.show_span(marks.selection, style.SELECTED)
-            self._edit.show_span(marks.edit, marks.alpha)
+            self._spans.show(marks.selection, marks.edit, marks.alpha)
         if (playhead, dot) != self._at:
             self._at = playhead, dot
             self._playhead.setValue(playhead)

@@ -13,7 +13,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import FrameAxis, TimeAxis
 from faceedit_app.ui.curves.gestures import Pointer, RulerDrag, clamped
-from faceedit_app.ui.curves.marks import Gaps, Playhead, edit_region, grip, selection_region
+from faceedit_app.ui.curves.marks import Gaps, Playhead, Spans, grip
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
@@ -41,12 +41,11 @@ class Ruler(pg.GraphicsView, Mouse):
         self._drag: RulerDrag | None = None
         self.view = TimeView(timeline, self, has_values=False)
         self.setCentralItem(self.view)
-        self._selection, self._edit = selection_region(), edit_region()
+        self._spans = Spans(self.view)
         self._gap_marks, self._playhead = Gaps(_GAP_ALPHA), Playhead()
         self._grip = grip()
         self.times, self.frames = TimeAxis(timeline.clock), FrameAxis()
-        for item in (self._selection, self._edit, self._gap_marks):
-            self.view.addItem(item, ignoreBounds=True)
+        self.view.addItem(self._gap_marks, ignoreBounds=True)
         for axis, size in ((self.times, 0.88), (self.frames, 0.74)):
             axis.setStyle(tickFont=style.scaled_font(self, size))
             axis.setHeight(style.RULER_HEIGHT)
@@ -89,8 +88,7 @@ class Ruler(pg.GraphicsView, Mouse):
 
     def show_marks(self, marks: Marks, playhead: float) -> None:
         """Show selection, the span of an edit, and the playhead (seconds)."""
-        self._selection.show_span(marks.selection, style.SELECTED)
-        self._edit.show_span(marks.edit, marks.alpha)
+        self._spans.show(marks.selection, marks.edit, marks.alpha)
         self._playhead.setValue(playhead)
         self._grip.setPos(playhead, 0.0)
 
