@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PySide6.QtGui import QPainter, QPaintEvent
@@ -24,13 +25,13 @@ class Broken(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Open a painter, then fail."""
         painter = QPainter(self)
-        painter.save()
         self.paints += 1
-        raise ValueError("not a number")
+        with guard.saved(painter):
+            raise ValueError("not a number")
 
 
 def test_a_failing_paint_event_is_reported_once_and_the_rest_is_painted(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, qtlog: Any
 ) -> None:
     reports: list[BaseException] = []
     monkeypatch.setattr(sys, "excepthook", lambda kind, error, trace: reports.append(error))
@@ -44,6 +45,7 @@ def test_a_failing_paint_event_is_reported_once_and_the_rest_is_painted(
         widget.repaint()
         assert widget.paints > before
     assert [str(error) for error in reports] == ["Broken.paintEvent: ValueError: not a number"]
+    assert not [line for line in qtlog.records if "saved states" in line.message]
 
 
 def test_every_paint_method_of_the_window_is_guarded() -> None:

@@ -29,7 +29,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.ui.edits.model import COLUMNS, GROUP, RANGE, STRENGTH, EditsModel
-from faceedit_app.ui.look.guard import guarded
+from faceedit_app.ui.look.guard import guarded, saved
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
@@ -80,9 +80,12 @@ class EditsDelegate(QStyledItemDelegate):
     @guarded
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         """Paint switch, name, curves, range and strength."""
+        with saved(painter):
+            self._paint_row(painter, option, index)
+
+    def _paint_row(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         edit = index.data(Qt.ItemDataRole.UserRole)
         rect, state = QRectF(option.rect), option.state
-        painter.save()
         if state & QStyle.StateFlag.State_Selected:
             painter.fillRect(rect, QColor(ACCENT_DEEP))
         elif state & QStyle.StateFlag.State_MouseOver:
@@ -116,7 +119,6 @@ class EditsDelegate(QStyledItemDelegate):
             last = room.right() >= rect.right() - _RIGHT
             align = Qt.AlignmentFlag.AlignRight if last else Qt.AlignmentFlag.AlignLeft
             self._write(painter, room, text, align)
-        painter.restore()
 
     @staticmethod
     def _paint_arrow(painter: QPainter, box: QRectF, is_open: bool) -> None:
@@ -127,11 +129,10 @@ class EditsDelegate(QStyledItemDelegate):
             QPointF(x + across, y + down) if is_open else QPointF(x + down, y + across)
             for across, down in downwards
         ]
-        painter.save()
-        painter.setBrush(painter.pen().color())
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.drawPolygon(QPolygonF(corners))
-        painter.restore()
+        with saved(painter):
+            painter.setBrush(painter.pen().color())
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.drawPolygon(QPolygonF(corners))
 
     @staticmethod
     def _write(painter: QPainter, room: QRectF, text: str, align: Qt.AlignmentFlag) -> None:

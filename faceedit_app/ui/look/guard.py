@@ -5,10 +5,12 @@ from __future__ import annotations
 import functools
 import logging
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QTimer
+from PySide6.QtGui import QPainter
 
 _log = logging.getLogger("faceedit")
 _reported: set[str] = set()
@@ -42,3 +44,13 @@ def guarded(paint: Paint) -> Paint:
             QTimer.singleShot(0, lambda: sys.excepthook(PaintError, report, None))
 
     return painted  # type: ignore[return-value]
+
+
+@contextmanager
+def saved(painter: QPainter) -> Iterator[None]:
+    """Restore the painter's state in the end, also if painting fails: other items share it."""
+    painter.save()
+    try:
+        yield
+    finally:
+        painter.restore()
