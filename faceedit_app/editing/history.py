@@ -100,8 +100,8 @@ class EditHistory(ABC):
         self._preview(replace(self.state, edits=tuple(edits)))
 
     def preview_replace(self, index: int, edit: Edit) -> None:
-        """Show the take with one edit of the list replaced."""
-        self.preview_list(self._with(index, edit))
+        """Show the take with one edit of the list replaced, or added if it was undone meanwhile."""
+        self.preview_list((*self.edits[:index], edit, *self.edits[index:][1:]))
 
     def preview_settings(self, settings: Settings) -> None:
         """Show the take with other settings."""
@@ -213,13 +213,14 @@ class EditHistory(ABC):
         self._change(replace(self.state, edits=tuple(edits)), name, merge)
 
     def replace_edit(self, index: int, edit: Edit, name: str = "") -> None:
-        """Replace one edit."""
-        self.put(self._with(index, edit), name or describe(edit))
+        """Replace one edit.
 
-    def set_enabled(self, index: int, enabled: bool) -> None:
-        """Switch an edit on or off."""
-        edit = replace(self.edits[index], enabled=enabled)
-        self.replace_edit(index, edit, "Switch edit on" if enabled else "Switch edit off")
+        Raises:
+            IndexError: there is none at `index`.
+        """
+        edits = list(self.edits)
+        edits[index] = edit
+        self.put(edits, name or describe(edit))
 
     def rename(self, index: int, name: str) -> None:
         """Rename an edit; "" returns it to its description."""
@@ -270,9 +271,6 @@ class EditHistory(ABC):
         """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
         self._arrive(is_step=False)
-
-    def _with(self, index: int, edit: Edit) -> tuple[Edit, ...]:
-        return (*self.edits[:index], edit, *self.edits[index:][1:])
 
     def _with_media(self, media: Placement) -> EditState:
         words = self.state.words

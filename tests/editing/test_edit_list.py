@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from support.faces import talking_clip
-from support.sessions import session_by_rig, strengthen, take_of
+from support.sessions import session_by_rig, strengthen, switch, take_of
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
@@ -39,7 +39,7 @@ def session() -> EditSession:
 
 STEPS: dict[str, tuple[Callable[[EditSession], object], tuple[Edit, ...]]] = {
     "replace": (lambda s: s.replace_edit(1, C), (A, C, C)),
-    "switch off": (lambda s: s.set_enabled(0, False), (replace(A, enabled=False), B, C)),
+    "switch off": (lambda s: switch(s, 0, False), (replace(A, enabled=False), B, C)),
     "strength": (lambda s: strengthen(s, 2, 1.5), (A, B, replace(C, strength=1.5))),
     "rename": (lambda s: s.rename(0, " jaw "), (replace(A, name="jaw"), B, C)),
     "rename by what no file holds": (
@@ -121,11 +121,11 @@ def test_a_preview_is_shown_and_is_no_step(session: EditSession) -> None:
     assert heard == [EditState()]
 
 
-@pytest.mark.parametrize("action", ["set_enabled", "rename", "remove", "move"])
+@pytest.mark.parametrize("action", ["replace_edit", "rename", "remove", "move"])
 def test_position_that_is_not_there_is_an_error_and_no_step(
     session: EditSession, action: str
 ) -> None:
-    arguments = (3,) if action == "remove" else (3, 0)
+    arguments = {"remove": (3,), "replace_edit": (3, A)}.get(action, (3, 0))
     with pytest.raises(IndexError):
         getattr(session, action)(*arguments)
     with pytest.raises(ValueError, match="strength"):

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.faces import talking_clip
-from support.sessions import session_by_rig, strengthen
+from support.sessions import session_by_rig, strengthen, switch
 
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -75,7 +75,7 @@ def test_drag_among_500_edits(session: EditSession) -> None:
 def test_changes_of_the_list(session: EditSession) -> None:
     strengths = iter(np.linspace(0.1, 0.9, 50).tolist())
     assert took(lambda: strengthen(session, 250, next(strengths))) < GESTURE
-    assert took(lambda: session.set_enabled(100, not session.edits[100].enabled)) < GESTURE
+    assert took(lambda: switch(session, 100, not session.edits[100].enabled)) < GESTURE
     assert took(lambda: session.move(499, 0)) < GESTURE
     assert took(lambda: session.rename(7, f"edit {next(strengths):.2f}")) < GESTURE
     assert took(lambda: (session.undo(), session.redo())) < 2 * GESTURE

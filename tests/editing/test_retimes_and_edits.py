@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.retimes import CUT, LIPS, MADE, PAUSE, STRETCH, clip_of
-from support.sessions import session_by_networks, session_by_rig
+from support.sessions import session_by_networks, session_by_rig, switch
 from support.speech import said
 
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -140,9 +140,9 @@ def test_edits_above_it_move_with_what_they_were_made_on() -> None:
     session.add(STRETCH)
     clock = Clock(STRETCH)
     assert clock.moments(np.array(made_at(session))) == pytest.approx([3.2, 3.4], abs=1e-5)
-    session.set_enabled(1, False)
+    switch(session, 1, False)
     assert made_at(session) == pytest.approx((3.2, 3.4), abs=1e-5)
-    session.set_enabled(1, True)
+    switch(session, 1, True)
     session.remove(1)
     assert session.edits == (pytest.approx(MADE),) or made_at(session) == pytest.approx(
         (3.2, 3.4), abs=1e-5

@@ -22,7 +22,7 @@ from hypothesis.stateful import (
 from support.chance import TIMES
 from support.edits import pins
 from support.faces import shipped_rig
-from support.sessions import engine, strengthen
+from support.sessions import engine, strengthen, switch
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -247,7 +247,7 @@ class Editing(RuleBasedStateMachine):
         if data.draw(st.booleans()):
             strengthen(self.session, index, strength)
         else:
-            self.session.set_enabled(index, on)
+            switch(self.session, index, on)
         self.finished()
 
     @precondition(lambda self: self.session.edits)

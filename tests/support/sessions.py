@@ -66,6 +66,11 @@ def strengthen(session: EditSession, index: int, strength: float) -> None:
     session.replace_edit(index, replace(session.edits[index], strength=strength), "Strength")
 
 
+def switch(session: EditSession, index: int, on: bool) -> None:
+    """Switch one edit on or off, as one step."""
+    session.replace_edit(index, replace(session.edits[index], enabled=on), "Switch")
+
+
 def assert_believable(session: EditSession) -> None:
     """What is shown is a face: weights are from 0 to 1, and lips close no further than the jaw."""
     weights = session.weights

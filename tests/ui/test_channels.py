@@ -9,6 +9,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox
+from support.sessions import switch
 from support.takes import livelink_names, make_livelink_csv, speech_like
 from support.windows import Bench, bench, drag, session_of, trigger
 
@@ -161,7 +162,7 @@ def test_edit_of_channels_is_in_the_list_and_switched_off_there(bench: Bench) ->
     assert window.editor is not None
     model = window.editor.edits.model
     assert model.data(model.index(0)) == "jawOpen muted"
-    session.set_enabled(0, False)
+    switch(session, 0, False)
     assert (session.weights == before).all()
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
 from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.media import is_media
 from faceedit_app.ui.commands import dialogs
@@ -15,7 +16,6 @@ from faceedit_app.ui.edits.retime_dialog import Asked, Number, RetimeDialog
 
 if TYPE_CHECKING:  # the window is there before the solver, and before sounds can be read
     from faceedit_app.core.clip import Clip
-    from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.media.sound import Sound
     from faceedit_app.words.transcript import Transcript
 
@@ -74,7 +74,6 @@ class RetimeCommands:
 
     def pause(self) -> None:
         """Insert a pause at the playhead; what follows plays faster until it has caught up."""
-        from faceedit_app.editing.edits.edit import LONGEST_FILL
         from faceedit_app.editing.help.fill import fill_edit
         from faceedit_app.editing.help.retime import pause
 

@@ -162,7 +162,7 @@ class WebcamDialog(QDialog):
 
     def reject(self) -> None:
         """Cancel; while it records, stop and keep the film."""
-        if self._stage is _Stage.RECORDING:
+        if self.is_recording:
             self._finish()
         else:
             self._close()
