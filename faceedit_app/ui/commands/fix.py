@@ -226,7 +226,8 @@ class FixCommands:
         if edits:
             count = counted(len(chosen), "problem")
             text = f"Fixes for {count} are shown; untick those that you do not want."
-            page.proposal.offer(text, edits, f"Fix {count}", short="Untick those that you do not want")
+            short = "Untick those that you do not want"
+            page.proposal.offer(text, edits, f"Fix {count}", short=short)
 
     @property
     def can_fix_all(self) -> bool:
