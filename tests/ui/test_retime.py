@@ -157,7 +157,13 @@ def test_a_click_still_moves_the_playhead(window: MainWindow) -> None:
 def test_a_wild_drag_stops_where_the_take_has_no_room(window: MainWindow) -> None:
     plot = begin(window)
     start = place(plot, 4.5)
-    drag(plot, start, start + QPoint(3000, 0))
+    said_: list[str] = []
+    for pixels in (20, 3000):
+        drag(plot, start, start + QPoint(pixels, 0), release=False, previews=True)
+        assert plot.handle is not None
+        said_.append(plot.handle.text[0])
+    let_go(plot, start + QPoint(3000, 0))
+    assert ["no more room" in amount for amount in said_] == [False, True]
     edit = only_edit(window)
     pins = np.array([(edit.start,) * 2, *edit.pins, (edit.end,) * 2])
     was, now = np.diff(pins, axis=0).T

@@ -15,6 +15,7 @@ from faceedit_app.ui.curves.plot import CurvePlot, Handle, Marks
 from faceedit_app.ui.curves.retime_drag import RetimeDrag
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
+from faceedit_app.ui.curves.tools import Gesture
 from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_on
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
@@ -102,11 +103,15 @@ class Readout:
         if drag is None or not drag.moving:
             return Handle(time, asked, held=drag is not None)
         face = float(session.achieved[frame, control])
-        amount = drag.words
-        if isinstance(drag, RetimeDrag) and drag.later is not None:
-            amount = length(self._timeline, drag.later, "+")
-        words = amount, f"asked {one_decimal(asked)} · face {one_decimal(face)}"
+        words = self._amount(drag), f"asked {one_decimal(asked)} · face {one_decimal(face)}"
         return Handle(time, asked, True, words)
+
+    def _amount(self, drag: Gesture) -> str:
+        """How far a drag has gone, in the unit in which times are shown."""
+        if not isinstance(drag, RetimeDrag):
+            return drag.words
+        amount = drag.words if drag.later is None else length(self._timeline, drag.later, "+")
+        return f"{amount} · no more room" if drag.is_blocked else amount
 
     def _hint(self) -> str:
         mouse = self._mouse

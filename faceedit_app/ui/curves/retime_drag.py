@@ -59,18 +59,25 @@ class RetimeDrag:
     @property
     def goal(self) -> Range:
         """Where the content is shown now, as far as the take has room."""
-        if not self.moving:
-            return self.begun
+        return nearest(self.clip, self.was, self._wanted) if self.moving else self.begun
+
+    @property
+    def is_blocked(self) -> bool:
+        """Whether the pointer goes on, but the take has no more room."""
+        apart = (abs(is_ - wanted) for is_, wanted in zip(self.goal, self._wanted, strict=True))
+        return self.moving and max(apart) > 0.5 / self.clip.rate
+
+    @property
+    def _wanted(self) -> Range:
         start, end = self.begun
         match self.grip:
             case Edge.START:
-                goal = self._snapped(start + self.seconds), end
+                return self._snapped(start + self.seconds), end
             case Edge.END:
-                goal = start, self._snapped(end + self.seconds)
+                return start, self._snapped(end + self.seconds)
             case _:
                 by = self._snapped(start + self.seconds) - start
-                goal = start + by, end + by
-        return nearest(self.clip, self.was, goal)
+                return start + by, end + by
 
     def _snapped(self, seconds: float) -> float:
         if not self.snapping:
