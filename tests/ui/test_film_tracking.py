@@ -96,6 +96,8 @@ def test_cancel_keeps_the_open_take(bench: Bench, own: Path) -> None:
     bench.qtbot.waitUntil(lambda: "not tracked" in window.status.currentMessage(), timeout=60_000)
     assert open_path(window) == bench.take
     assert not take.exists()
+    assert not window.actions_["film_landmarks"].isChecked(), "the open take has none"
+    assert window.workspace.unfinished.names == []
 
 
 def test_a_film_without_a_face_is_one_message(bench: Bench, tmp_path: Path) -> None:

@@ -200,7 +200,7 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
     Command("film_landmarks", "Show &landmarks over the film", TakeCommands.toggle_landmarks,
             tip="Show where the tracker saw lips and lids, in the colours of their curves",
             enabled=lambda do: do.has_film and do.has_landmarks,
-            checked=lambda do: do.shows_landmarks),
+            checked=lambda do: do.has_landmarks and do.shows_landmarks),
     Command("side_by_side", "Export film and face side by s&ide…",
             TakeCommands.export_side_by_side,
             tip="Write the film with its landmarks, the tracked and the edited face as MP4 and PNG",
