@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtWidgets import QApplication, QDialog, QMessageBox, QProgressDialog
+from PySide6.QtWidgets import QApplication, QDialog
 
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.editing.files.pending import Pending
@@ -17,6 +17,8 @@ from faceedit_app.media.webcam import Webcam
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.character.scan_dialog import ScanDialog
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.live import counting_box
+from faceedit_app.ui.commands.writing import progress_dialog
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.media.webcam_dialog import WebcamDialog
 from faceedit_app.ui.start.window import MainWindow
@@ -80,17 +82,17 @@ def _kept_open(dialog: QDialog) -> QDialog:
 
 def _progress(window: MainWindow, _folder: Path) -> QDialog:
     """As while a film is exported, or a longer take written."""
-    dialog = QProgressDialog("Filming talk.mp4…", "Cancel", 0, 100, window)
+    dialog = progress_dialog(window, "Export film", "Filming talk.mp4…")
+    dialog.setMaximum(100)
     dialog.setValue(40)
     return _kept_open(dialog)
 
 
 def _phone(window: MainWindow, _folder: Path) -> QDialog:
     """As while a phone is recorded."""
-    box = QMessageBox(QMessageBox.Icon.NoIcon, "Record from phone", "", parent=window)
+    box = counting_box(window)
     box.setText("Recording talk.csv: 120 frames")
     box.setInformativeText("2.0 s")
-    box.addButton("Stop", QMessageBox.ButtonRole.AcceptRole)
     return _kept_open(box)
 
 

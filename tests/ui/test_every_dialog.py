@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from pathlib import Path
 
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QWidget
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QLabel, QWidget
 from support.contrast import unreadable_texts
 from support.dialogs import DIALOGS, look_at, questions
 from support.waiting import run_events
@@ -19,6 +20,7 @@ from faceedit_app import ui
 SMALL = (960, 500)  # pixels: 1920 x 1080 at twice the size, less a title bar
 AROUND = 6  # pixels beside a widget in which its focus may show
 MOST = 80  # stops of Tab
+NAME = re.compile(r"\b(take|talk|film|head|scan)\w*\.[a-z]\w+")  # of a file in these dialogs
 
 
 def classes() -> set[str]:
@@ -89,6 +91,9 @@ def faults(dialog: QDialog) -> list[str]:
     seen, found = unreadable_texts(dialog)
     if seen < 2:
         found.append("no texts found")
+    for label in dialog.findChildren(QLabel):
+        if NAME.search(label.text()) and label.textFormat() is not Qt.TextFormat.PlainText:
+            found.append(f"a name could be rich text: {label.text()}")
     least = dialog.minimumSizeHint()
     if least.width() > SMALL[0] or least.height() > SMALL[1]:
         found.append(f"needs {least.width()} x {least.height()} pixels")

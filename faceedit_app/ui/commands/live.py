@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, QTimer, Signal
-from PySide6.QtWidgets import QMessageBox
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
+from PySide6.QtWidgets import QMessageBox, QWidget
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
@@ -126,9 +126,7 @@ class PhoneRecording(QObject):
         except FaceEditError as error:
             dialogs.show_error(window, error)
             return
-        box = QMessageBox(QMessageBox.Icon.NoIcon, "Record from phone", "", parent=window)
-        stop = box.addButton("Stop", QMessageBox.ButtonRole.AcceptRole)
-        box.setEscapeButton(stop)
+        box = counting_box(window)
         box.finished.connect(self.finish)
         self._box = box
         self._show_count()
@@ -175,3 +173,11 @@ class PhoneRecording(QObject):
             self._tick.stop()
             self._recorder.stop()
             self._recorder = None
+
+
+def counting_box(parent: QWidget) -> QMessageBox:
+    """A window that says how long a recording is, with Stop."""
+    box = QMessageBox(QMessageBox.Icon.NoIcon, "Record from phone", "", parent=parent)
+    box.setTextFormat(Qt.TextFormat.PlainText)  # a name may look like a tag
+    box.setEscapeButton(box.addButton("Stop", QMessageBox.ButtonRole.AcceptRole))
+    return box

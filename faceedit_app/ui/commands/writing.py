@@ -7,16 +7,19 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtWidgets import QProgressDialog
+from PySide6.QtWidgets import QProgressDialog, QWidget
 
+from faceedit_app.core.texts import plain_line
 from faceedit_app.media.container import Abandoned
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import plain_label
 
 Result = TypeVar("Result")
 Advance = Callable[[int, int], None]  # is given how much is done, and of how much
 Stopped = Callable[[], bool]  # says whether to give up
 
 _AFTER_MS = 300  # what takes no longer shows no progress
+_LONGEST = 80  # characters of what is being written
 
 
 class Writing(QObject):
@@ -83,12 +86,7 @@ class Writing(QObject):
             self._finish()
 
     def _open(self, text: str, stop: threading.Event) -> QProgressDialog:
-        dialog = QProgressDialog(text, "Cancel", 0, 0, self._workspace.window)
-        dialog.setWindowTitle(self._title)
-        dialog.setMinimumDuration(_AFTER_MS)
-        dialog.setWindowModality(Qt.WindowModality.NonModal)
-        dialog.setAutoClose(False)
-        dialog.setAutoReset(False)
+        dialog = progress_dialog(self._workspace.window, self._title, text)
         dialog.canceled.connect(stop.set)
         return dialog
 
@@ -104,3 +102,16 @@ class Writing(QObject):
             self._dialog.close()
             self._dialog.deleteLater()
         self._dialog = self._stop = None
+
+
+def progress_dialog(parent: QWidget, title: str, text: str) -> QProgressDialog:
+    """A window that says what is being written, and how much of it is done."""
+    dialog = QProgressDialog("", "Cancel", 0, 0, parent)
+    # A name may look like a tag, and is as long as it likes.
+    dialog.setLabel(plain_label(plain_line(text, _LONGEST)))
+    dialog.setWindowTitle(title)
+    dialog.setMinimumDuration(_AFTER_MS)
+    dialog.setWindowModality(Qt.WindowModality.NonModal)
+    dialog.setAutoClose(False)
+    dialog.setAutoReset(False)
+    return dialog

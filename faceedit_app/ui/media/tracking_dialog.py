@@ -20,9 +20,11 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.texts import plain_line
 from faceedit_app.tracking.film_landmarks import Chosen, Progress
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
+from faceedit_app.ui.look.texts import plain_label
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.media.landmark_paint import paint_landmarks
 
@@ -113,8 +115,7 @@ class TrackingDialog(QDialog):
         self._shown = 0.0  # seconds in the film of the picture on screen
         self.picture = _Picture()
         self.picture.clicked.connect(self._choose)
-        self.name = QLabel(film.name)
-        self.name.setTextFormat(Qt.TextFormat.PlainText)  # a name may look like a tag
+        self.name = plain_label(plain_line(film.name, 60))
         self.status = QLabel("Opening the film…")
         self.bar = QProgressBar()
         self.bar.setRange(0, 0)
