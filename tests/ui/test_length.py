@@ -63,10 +63,12 @@ def test_time_is_inserted_at_the_playhead_as_the_take_is_shown(bench: Bench, qtb
     window.workspace.media.add(bench.folder / "film.mp4")
     qtbot.waitUntil(lambda: window.workspace.media.film is not None, timeout=15_000)
     window.timeline.go_to_time(1.0)
+    trigger(window, "unit_frames")
     path = bench.answers["export"] = bench.folder / "long.csv"
     trigger(window, "insert_longer")
     dialog = dialog_of(window)
-    dialog.number.setValue(0.75)
+    assert dialog.number.text() == "30.0 frames"
+    dialog.number.setValue(45.0)
     dialog.film.setChecked(False)
     dialog.write.click()
     bench.answers["unsaved"] = dialogs.Unsaved.DISCARD

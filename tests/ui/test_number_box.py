@@ -66,7 +66,13 @@ def test_one_and_a_half_seconds_are_inserted(qtbot: QtBot) -> None:
     qtbot.addWidget(window)
     made: list[float] = []
     dialog = SpliceDialog(
-        window, "Insert", "", (0.5, 600.0), (), lambda seconds, _film: made.append(seconds)
+        window,
+        "Insert",
+        "",
+        (0.5, 600.0),
+        ("s", 1.0),
+        (),
+        lambda seconds, _film: made.append(seconds),
     )
     assert type_into(dialog.number, "1,5") == 1.5
     dialog.accept()

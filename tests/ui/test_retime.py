@@ -215,6 +215,25 @@ def test_a_typed_factor_is_previewed_and_made_as_one_step(window: MainWindow) ->
     assert len(session.history[0]) == 1
 
 
+def test_lengths_are_typed_in_frames_where_times_are_shown_as_frames(window: MainWindow) -> None:
+    begin(window)
+    trigger(window, "unit_frames")
+    rate = session_of(window).take.clip.rate
+    trigger(window, "move_time")
+    number = dialog_of(window).number
+    assert (number.suffix(), number.singleStep()) == (" frames", 1.0)
+    number.setValue(6.0)
+    dialog_of(window).accept()
+    edit = only_edit(window)
+    assert edit.pins[0][1] - edit.pins[0][0] == pytest.approx(6.0 / rate)
+    trigger(window, "undo")
+    trigger(window, "insert_pause")
+    dialog_of(window).number.setValue(12.0)
+    dialog_of(window).accept()
+    (_, start), (_, end) = only_edit(window).pins[:2]
+    assert end - start == pytest.approx(12.0 / rate)
+
+
 def test_cancel_leaves_the_take_as_it_was(window: MainWindow) -> None:
     session = session_of(window)
     before = session.weights.copy()

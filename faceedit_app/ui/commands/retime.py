@@ -53,10 +53,11 @@ class RetimeCommands:
         if found is None:
             return
         clip, span = found
-        later = Number("Later by", "s", 0.0, -clip.duration, clip.duration, 1.0 / clip.rate, 3)
+        later = self._length("Later by", 0.0, (-clip.duration, clip.duration), 1.0 / clip.rate, 3)
+        per_second = self._workspace.length_unit[1]
         shown = self._workspace.shown_range(*span)
         asked = Asked("Move in time", f"How much later {shown} is shown; below 0: earlier.", later)
-        self._ask(asked, lambda seconds: moved(clip, span, seconds))
+        self._ask(asked, lambda length: moved(clip, span, length / per_second))
 
     def cut(self) -> None:
         """Leave out the selection; what follows plays slower until it has caught up."""
@@ -81,9 +82,10 @@ class RetimeCommands:
         if session is None or clip is None:
             return
         self._workspace.end_gestures()
-        at = self._timeline.time
+        at, per_second = self._timeline.time, self._workspace.length_unit[1]
 
-        def edits(seconds: float, filled: bool) -> tuple[Edit, ...]:
+        def edits(length: float, filled: bool) -> tuple[Edit, ...]:
+            seconds = length / per_second
             edit = pause(clip, at, seconds)
             (_, start), (_, end) = edit.pins[:2]
             if not filled:
@@ -96,10 +98,20 @@ class RetimeCommands:
         asked = Asked(
             "Insert a pause",
             f"How long the face pauses at {shown}; what follows makes room.",
-            Number("Pause", "s", _FIRST_PAUSE, 0.02, _LONGEST_PAUSE, 0.05),
+            self._length("Pause", _FIRST_PAUSE, (0.02, _LONGEST_PAUSE), 0.05, 2),
             option="&Fill it with other motion of the take",
         )
         self._show(asked, edits)
+
+    def _length(
+        self, label: str, value: float, ends: tuple[float, float], step: float, decimals: int
+    ) -> Number:
+        """A length of time in seconds, to be typed in the unit in which times are shown."""
+        unit, per_second = self._workspace.length_unit
+        if unit != "s":
+            step, decimals = 1.0 / per_second, 1
+        first, low, high, each = (per_second * seconds for seconds in (value, *ends, step))
+        return Number(label, unit, first, low, high, each, decimals)
 
     def _selected(self, what: str) -> tuple[Clip, tuple[float, float]] | None:
         """The take and the selection, after any gesture in progress; None without either."""

@@ -87,7 +87,8 @@ class SpliceCommands:
             if self._workspace.session is session:
                 self._write(session, wanted(length), has_film)
 
-        SpliceDialog(self._workspace.window, title, text, seconds, has, make).open()
+        unit = self._workspace.length_unit
+        SpliceDialog(self._workspace.window, title, text, seconds, unit, has, make).open()
 
     def _write(self, session: EditSession, wanted: Splice, has_film: bool) -> None:
         from faceedit_app.editing.splicing import ending_for, free_name, write_spliced

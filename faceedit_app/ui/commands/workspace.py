@@ -132,6 +132,14 @@ class Workspace(QObject):
         shown = shown_time(clip, seconds, unit)
         return f"frame {shown}" if unit is Unit.FRAMES else shown
 
+    @property
+    def length_unit(self) -> tuple[str, float]:
+        """The unit in which lengths of time are asked for, and how many of it are a second."""
+        clip = self.timeline.clip
+        if clip is None or not self.timeline.clock.counts_frames:
+            return "s", 1.0
+        return "frames", clip.rate
+
     def shown_range(self, start: float, end: float) -> str:
         """A time range in the unit in which times are shown."""
         clip, unit = self.timeline.clip, self.timeline.clock.unit

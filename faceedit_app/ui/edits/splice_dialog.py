@@ -27,6 +27,7 @@ class SpliceDialog(QDialog):
         title: of the window.
         text: what is cut out or inserted, and where.
         seconds: at first and at most, of time to insert; None = nothing is asked.
+        unit: in which they are typed, and how many of it are a second.
         media: what the take has: "sound", "film", both or neither.
         make: called with the seconds, and whether the film is written.
     """
@@ -37,11 +38,13 @@ class SpliceDialog(QDialog):
         title: str,
         text: str,
         seconds: tuple[float, float] | None,
+        unit: tuple[str, float],
         media: tuple[str, ...],
         make: Callable[[float, bool], None],
     ) -> None:
         super().__init__(parent)
         self._make = make
+        name, self._per_second = unit
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
         with_it = f", and with it its {' and '.join(media)}" if media else ""
@@ -53,17 +56,17 @@ class SpliceDialog(QDialog):
         label.setWordWrap(True)
         label.setMinimumWidth(_WIDTH)
         self.number = NumberBox()
-        self.number.setDecimals(2)
-        self.number.setSuffix(" s")
-        self.number.setSingleStep(0.1)
+        self.number.setDecimals(2 if name == "s" else 1)
+        self.number.setSuffix(f" {name}")
+        self.number.setSingleStep(0.1 if name == "s" else 1.0)
         self.number.setAccessibleName("Time")
         self.film = QCheckBox("Write the &film too; this takes a while")
         self.film.setChecked(True)
         self.film.setVisible("film" in media)
         form = QFormLayout()
         if seconds is not None:
-            self.number.setRange(0.02, seconds[1])
-            self.number.setValue(seconds[0])
+            self.number.setRange(0.02 * self._per_second, seconds[1] * self._per_second)
+            self.number.setValue(seconds[0] * self._per_second)
             self.number.selectAll()
             form.addRow("&Time", self.number)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
@@ -81,4 +84,4 @@ class SpliceDialog(QDialog):
     def accept(self) -> None:
         """Close, and write."""
         super().accept()
-        self._make(self.number.value(), self.film.isChecked())
+        self._make(self.number.value() / self._per_second, self.film.isChecked())
