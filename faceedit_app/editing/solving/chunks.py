@@ -27,8 +27,9 @@ from faceedit_app.editing.solving.request import active, affected, smoothing_fra
 CHUNK = 208
 # Seconds by which a frame may be outside a time range and still count as on its edge.
 SLACK = 1e-9
-# Edits whose frames are cached; a drag makes a new edit with each move of the mouse.
-REMEMBERED = 4096
+# Edits beside those of the list whose frames are cached; a drag makes a new edit with each move of
+# the mouse, and one that is drawn has hundreds of points.
+REMEMBERED = 256
 # Ways from frames to the grid and back that are kept: two for each chunk of a drag.
 REMEMBERED_WAYS = 8
 
@@ -146,6 +147,8 @@ class Chunks:
         if not edits:
             return {}
         spans = [self._span(edit) for edit in edits]
+        if len(self._spans) > REMEMBERED + len(edits):
+            self._spans = dict(zip(edits, spans, strict=True))
         chunks: Iterable[int] = self._under(spans)
         regions: tuple[str, ...] = ()
         if settings.mode is Mode.RESYNTHESIZE:
@@ -166,8 +169,6 @@ class Chunks:
     def _span(self, edit: Edit) -> Span:
         known = self._spans.get(edit)
         if known is None:
-            if len(self._spans) >= REMEMBERED:
-                self._spans.clear()
             spans = affected(edit), (edit.start, edit.end)
             known = self._spans[edit] = Span(*(self._within(first, last) for first, last in spans))
         return known
