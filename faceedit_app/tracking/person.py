@@ -22,7 +22,8 @@ _WHILE = 9  # pictures
 _DEPTH = 0.5  # how far the landmarks' depth is believed
 _TOUCH = 3.0  # percentile of the distance between the lips at which they touch
 _ALIKE = 1.0  # mm above it; lips that look like that touch
-_FARTHEST_TOUCH = 2.0  # mm; lips whose landmarks are farther apart never touch in the film
+_FARTHEST_TOUCH = 3.0  # mm; lips whose landmarks are farther apart never touch in the film
+_USUAL_TOUCH = 0.5  # mm between the landmarks of lips that touch, in most films
 _OPEN = 70.0  # percentile of the distance between the lids at which an eye is at rest
 _SHUT = 2.0  # percentile at which it is shut, if it ever is
 _SHUT_SHARE = (0.05, 0.3)  # of the distance at rest; a shut eye is in this range
@@ -78,7 +79,7 @@ def find_person(model: FaceModel, seen: Doubles, good: Bools, middle: Doubles) -
     flat = poses.on_face(some[..., :2], rest[:, 2])
     rest[:, :2] = np.median(flat[calm], axis=0)
     rest[pupils, :2] = np.median(flat[:, pupils], axis=0)
-    rest -= _ajar(model, float(np.median(gaps[LIP_OPENING][calm])))
+    rest -= _opened(model, gaps[LIP_OPENING], calm)
     touch, is_ajar = _touch(gap_of(model, flat, LIP_OPENING))
     lids = np.array([_lid(gap_of(model, flat, control)) for control in LIDS])
     return Person(rest, neutral, lens, touch, lids, is_ajar)
@@ -100,16 +101,17 @@ def _lens(model: FaceModel, seen: Doubles, middle: Doubles) -> tuple[Lens, Poses
     return lens, poses
 
 
-def _ajar(model: FaceModel, gap: float) -> Doubles:
-    """(n, 3) mm: what an open jaw moves in the neutral pictures, if the lips never touch.
+def _opened(model: FaceModel, gap: Doubles, calm: Bools) -> Doubles:
+    """(n, 3) mm: what an open jaw moves in the neutral pictures, where the lips are to be shut.
 
     Args:
-        gap: mm between the lips in these.
+        gap: (T,) mm between the lips.
+        calm: (T,) which pictures are neutral.
     """
     upper, lower = (model.row(number) for number in CONTROL_PAIRS[CONTROL_INDEX[LIP_OPENING]])
     moves = model.moves[ARKIT_INDEX["jawOpen"]]
     opens = float(moves[upper, 1] - moves[lower, 1])
-    moved: Doubles = max(gap - _FARTHEST_TOUCH, 0.0) / opens * moves
+    moved: Doubles = max(float(np.median(gap[calm])) - _touch(gap)[0], 0.0) / opens * moves
     return moved
 
 
@@ -153,11 +155,14 @@ def _quiet(gaps: dict[str, Doubles]) -> Indices:
 def _touch(gap: Doubles) -> tuple[float, bool]:
     """Mm between the landmarks of lips that touch, and whether they never do, by all pictures (T,).
 
-    Lips that touch look alike in many pictures, and a little closer in some.
+    Lips that touch look alike in many pictures, and a little closer in some. Of lips that never do,
+    the film does not show it.
     """
     least = float(np.percentile(gap, _TOUCH))
+    if least > _FARTHEST_TOUCH:
+        return _USUAL_TOUCH, True
     touch = float(np.median(gap[gap <= least + _ALIKE]))
-    return min(touch, _FARTHEST_TOUCH), least > _FARTHEST_TOUCH
+    return min(touch, _FARTHEST_TOUCH), False
 
 
 def _lid(gap: Doubles) -> Doubles:
