@@ -86,6 +86,21 @@ def test_the_mouth_opens_as_far_as_it_did(model: FaceModel, degrees: float) -> N
     assert (fit.weights[:, close] <= fit.weights[:, jaw]).all()
 
 
+@pytest.mark.parametrize("least", [0.0, 0.25], ids=["seldom shut", "never shut"])
+def test_lips_that_rest_apart_are_as_far_apart_as_they_were(model: FaceModel, least: float) -> None:
+    """The calm pictures show an open mouth: that is no neutral face."""
+    weights = np.zeros((60, 52))
+    jaw = ARKIT_INDEX["jawOpen"]
+    weights[:, jaw] = 0.06 + 0.2 * np.sin(np.linspace(0.0, 2 * np.pi, 60)) ** 8
+    weights[5::20, jaw] = 0.0
+    weights[:, jaw] += least
+    seen = seen_from(model, weights, turning(60, 0.0))
+    person = find_person(model, seen, np.ones(60, bool), MIDDLE)
+    assert person.is_ajar == (least > 0.0)
+    fit = fit_weights(model, person, seen, np.arange(60) / 25.0, np.ones(60))
+    assert np.median(np.abs(opening(fit.weights) - opening(weights))) < 0.7
+
+
 def test_shut_lips_are_shut_whatever_the_depth_between_them(model: FaceModel) -> None:
     """A film shows no depth: rolled lips must not stand in for shut ones."""
     weights = np.zeros((60, 52))
