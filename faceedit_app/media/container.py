@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
 _COVER = 0x400  # FFmpeg's AV_DISPOSITION_ATTACHED_PIC
-_REMEDY = "convert it to WAV or MP4 (H.264) and add that"
+_REMEDY = "convert it to WAV or MP4 (H.264) and use that"
 
 
 class Abandoned(Exception):

@@ -157,7 +157,7 @@ class Film:
                 found = self._go_on(index, behind, any_=earlier == 0)
                 if found is not None:
                     return found
-        raise FileError(self.path, "cannot be decoded", "convert it to MP4 (H.264) and add that")
+        raise FileError(self.path, "cannot be decoded", "convert it to MP4 (H.264) and use that")
 
     def _go_on(self, index: int, behind: int, any_: bool = False) -> Pixels | None:
         """Decode up to a picture; None if the film ends before it, or has none up to it.

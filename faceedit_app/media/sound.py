@@ -165,7 +165,7 @@ def read_sound(path: Path, stopped: Callable[[], bool] | None = None) -> Sound |
         if stream is None:
             if container.streams.audio:
                 problem = "has sound in a format that FFmpeg does not know"
-                raise FileError(path, problem, "convert it to WAV and add that")
+                raise FileError(path, problem, "convert it to WAV and use that")
             if find_film(container) is not None:
                 return None
             raise FileError(path, "has neither sound nor film", "choose another file")
@@ -238,7 +238,7 @@ class _Tape:
             self.rate, self.start = frame.sample_rate, at or 0.0
             if not 0 < self.rate <= _FASTEST:
                 problem = f"is damaged: it claims {self.rate} samples per second"
-                raise FileError(self._path, problem, "convert it to WAV and add that")
+                raise FileError(self._path, problem, "convert it to WAV and use that")
             layout = "mono" if self._channels == 1 else "stereo"
             self._resampler = AudioResampler("s16", layout, self.rate)
         if at is not None:
