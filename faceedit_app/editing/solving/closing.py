@@ -136,6 +136,7 @@ class _Part:
             coupled,
             iterations=_ITERATIONS,
             gain=0.0,
+            by_height=False,
         )
 
     def close(self, weights: Floats, ours: Doubles, share: Doubles | float) -> None:

@@ -105,6 +105,8 @@ class Reach:
         wide: (K, K) covariance for changes that `covariance` does not know; None = `covariance`.
         iterations: the most steps of a search.
         gain: a search ends at a step that brings less than this share of what was left.
+        by_height: whether lids shut by their height; not where those of another character, which
+            shut later, need ours to pass each other.
     """
 
     def __init__(
@@ -117,6 +119,7 @@ class Reach:
         wide: Doubles | None = None,
         iterations: int = ITERATIONS,
         gain: float = GAIN,
+        by_height: bool = True,
     ) -> None:
         self._iterations, self._gain = iterations, gain
         self._distances, self._channels = distances, channels
@@ -127,7 +130,7 @@ class Reach:
         self._moves = gradients.reshape(len(channels), -1)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
         shuts = distances.shuts & distances.gradients[:, :, ::2].any(axis=(0, 2))
-        self._lids = np.flatnonzero(shuts)
+        self._lids = np.flatnonzero(shuts & by_height)
         self._upwards = np.where(distances.offsets[self._lids, 1] < 0, -1.0, 1.0)
         self._precision = np.linalg.inv(natural + 1e-6 * np.eye(len(natural)))
 
