@@ -96,6 +96,48 @@ def test_the_suggested_name_is_taken_and_its_ending_added(parent: QWidget, tmp_p
 
 
 @pytest.mark.parametrize(
+    ("typed", "written"),
+    [
+        ("smile v1.2", "smile v1.2.csv"),
+        ("smile.final", "smile.final.csv"),
+        ("smile.CSV", "smile.CSV"),
+        ("smile.txt", "smile.txt"),
+    ],
+)
+def test_what_follows_a_dot_is_no_ending_unless_it_is_known(
+    typed: str, written: str, parent: QWidget, tmp_path: Path
+) -> None:
+    def accept(dialog: QDialog) -> None:
+        assert isinstance(dialog, QFileDialog)
+        dialog.selectFile(str(tmp_path / typed))
+        dialog.accept()
+
+    when_asked(accept)
+    assert dialogs.ask_export(parent, tmp_path / "take_edited.csv") == tmp_path / written
+
+
+def test_the_ending_that_is_added_replaces_no_file_without_a_question(
+    parent: QWidget, tmp_path: Path
+) -> None:
+    (tmp_path / "smile 1.2.csv").write_text("mine", encoding="utf-8")
+
+    def accept(dialog: QDialog) -> None:
+        assert isinstance(dialog, QFileDialog)
+        when_asked(refuse)
+        dialog.selectFile(str(tmp_path / "smile 1.2"))
+        dialog.accept()
+
+    def refuse(box: QDialog) -> None:
+        assert isinstance(box, QMessageBox)
+        assert "smile 1.2.csv exists" in box.text()
+        when_asked(lambda dialog: dialog.reject())
+        box.reject()
+
+    when_asked(accept)
+    assert dialogs.ask_export(parent, tmp_path / "take_edited.csv") is None
+
+
+@pytest.mark.parametrize(
     ("gestures", "words"),
     [(1, "1 unsaved step"), (3, "3 unsaved steps")],
 )

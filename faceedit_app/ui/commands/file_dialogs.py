@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from mimetypes import MimeTypes
 from pathlib import Path
 
-from PySide6.QtWidgets import QFileDialog, QHeaderView, QTreeView, QWidget
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog, QHeaderView, QMessageBox, QTreeView, QWidget
 
 from faceedit_app.ui.look.widgets import resize_on_screen
 
@@ -31,7 +34,8 @@ def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path
 
     Args:
         title: of the dialog.
-        suggestion: the folder and the name that are offered; its ending is added if one is missing.
+        suggestion: the folder and the name that are offered; its ending is added if one is missing,
+            also to a name such as “take v1.2”, whose “.2” is no ending.
         kinds: the filters, as in `file_kinds`.
     """
     dialog = _file_dialog(parent, title, suggestion.parent, kinds)
@@ -39,7 +43,34 @@ def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path
     # Added before Qt asks whether to replace a file, so that it asks about the right one.
     dialog.setDefaultSuffix(suggestion.suffix)
     dialog.selectFile(suggestion.name)
-    return _chosen(dialog)
+    while (chosen := _chosen(dialog)) is not None:
+        path = _with_ending(chosen, suggestion.suffix, kinds)
+        if path == chosen or not path.exists() or _may_replace(parent, path):
+            return path
+    return None
+
+
+def _with_ending(path: Path, ending: str, kinds: str) -> Path:
+    """The path, with the ending added if it has none that a program knows."""
+    known = {found.lower() for found in re.findall(r"\*(\.\w+)", kinds)}
+    if not ending or path.suffix.lower() in {ending.lower(), *known, *MimeTypes().types_map[1]}:
+        return path
+    return path.with_name(path.name + ending)
+
+
+def _may_replace(parent: QWidget, path: Path) -> bool:
+    """Whether the user lets a file be replaced; Qt has asked about the name without its ending."""
+    buttons = QMessageBox.StandardButton
+    box = QMessageBox(
+        QMessageBox.Icon.Warning,
+        "FaceEdit",
+        f"{path.name} exists. Replace it?",
+        buttons.Yes | buttons.No,
+        parent,
+    )
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setDefaultButton(buttons.No)
+    return box.exec() == buttons.Yes
 
 
 def _file_dialog(parent: QWidget, title: str, folder: Path, kinds: str) -> QFileDialog:
