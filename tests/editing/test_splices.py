@@ -17,6 +17,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.clock import CROSSFADE
 from faceedit_app.editing.edits.splice import LONGEST_INSERT, Splice, splice
 from faceedit_app.formats import livelink
+from faceedit_app.formats.gaps import find_gaps
 from faceedit_app.formats.opening import open_take
 
 PHONE = SHARED / "data" / "livelink" / "S07-001.csv"
@@ -120,6 +121,25 @@ def test_any_splices_give_a_take_without_jumps_or_a_refusal(
     assert (np.diff(made.at(moments)) >= -1e-9).all()
 
 
+@given(st.lists(ranges, min_size=1, max_size=4), st.integers(1, 100), st.integers(1, 40))
+def test_any_splices_around_a_gap_give_a_take_without_foreign_frames_or_a_refusal(
+    given_: list[tuple[float, float, float]], first: int, missing: int
+) -> None:
+    clip = with_gap(first, min(first + missing, len(CLIP) - 1))
+    wanted = [Splice(a, a, s) if s else Splice(min(a, b), max(a, b)) for a, b, s in given_]
+    try:
+        made = splice(clip, wanted)
+    except FaceEditError:
+        return
+    found = made.clip
+    assert found.times[0] == 0.0
+    assert (np.diff(found.times) > 0.9 / RATE).all()
+    ends = made.pieces[-1].end + made.pieces[-1].later
+    assert found.duration == pytest.approx(ends)
+    moments = np.linspace(0, clip.duration, 50)
+    assert (np.diff(made.at(moments)) >= -1e-9).all()
+
+
 @pytest.mark.parametrize(
     ("wanted", "says"),
     [
@@ -138,6 +158,83 @@ def test_any_splices_give_a_take_without_jumps_or_a_refusal(
 def test_what_cannot_be_is_one_line(wanted: list[Splice], says: str) -> None:
     with pytest.raises(FaceEditError, match=says):
         splice(CLIP, wanted)
+
+
+def with_gap(first: int, stop: int, clip: Clip = CLIP) -> Clip:
+    """The clip without some frames, whose weights are far from the others'."""
+    kept = np.delete(np.arange(len(clip)), range(first, stop))
+    turns = None if clip.rotations is None else clip.rotations[kept]
+    times = clip.times[kept]
+    gaps = find_gaps(times, clip.rate)
+    return replace(clip, weights=clip.weights[kept], times=times, gaps=gaps, rotations=turns)
+
+
+@pytest.mark.parametrize(
+    ("one", "before", "missing"),
+    [
+        (Splice(0.8, 1.2), 24, 24),  # into the gap
+        (Splice(0.8, 1.0), 24, 30),  # up to it
+        (Splice(1.2, 1.8), 30, 12),  # inside
+        (Splice(1.51, 1.52), 30, 29),  # a frame of it
+        (Splice(1.8, 2.2), 30, 24),  # out of it
+        (Splice(2.0, 2.4), 30, 30),  # from its end
+        (Splice(29.5 / 30, 2.01), 30, 0),  # all of it
+        (Splice(0.8, 2.4), 24, 0),  # it, and frames around it
+        (Splice(1.5, 1.5, 1.0), 30, 60),
+        (Splice(1.0, 1.0, 1.0), 30, 60),
+        (Splice(29 / 30, 29 / 30, 1.0), 60, 30),  # a frame has a face, also beside a gap
+        (Splice(2.0, 2.0, 1.0), 30, 30),
+    ],
+    ids=str,
+)
+def test_in_a_gap_as_much_time_is_cut_out_or_inserted_as_elsewhere(
+    one: Splice, before: int, missing: int
+) -> None:
+    clip, whole = with_gap(30, 60), splice(CLIP, [one])
+    made = splice(clip, [one])
+    assert made.clip.duration == pytest.approx(whole.clip.duration)
+    assert [(gap.frame + 1, gap.missing) for gap in made.clip.gaps] == [(before, missing)][:missing]
+    moments = np.linspace(0.0, clip.duration, 121)
+    np.testing.assert_allclose(made.at(moments), whole.at(moments), atol=1e-9)
+    # Frames beyond the place, and those beyond the gap, keep their weights to the bit.
+    far = (clip.times < one.start - EASE) | (clip.times > one.end + EASE)
+    if missing:
+        far |= (clip.times > 1.5) if one.end < 1.9 else (clip.times < 1.5)
+    shown = np.searchsorted(made.clip.times, made.at(clip.times[far]) - 1e-6)
+    assert np.array_equal(made.clip.weights[shown], clip.weights[far])
+    assert bool(made.notes) == bool(one.seconds and missing == 60)
+
+
+@pytest.mark.parametrize(
+    ("one", "left", "says"),
+    [
+        (Splice(0.0, 1.5), slice(30, None), "begin where the face is lost, so 0.00 to 2.00 s"),
+        (
+            Splice(1.5, CLIP.duration),
+            slice(None, 30),
+            "end where the face is lost, so 1.00 to 4.00",
+        ),
+    ],
+    ids=str,
+)
+def test_a_take_that_would_begin_or_end_in_a_gap_says_what_is_cut_out(
+    one: Splice, left: slice, says: str
+) -> None:
+    clip = with_gap(30, 60)
+    made = splice(clip, [one])
+    assert np.array_equal(made.clip.weights, clip.weights[left])
+    assert made.clip.times[0] == 0.0
+    (note,) = made.notes
+    assert says in note
+
+
+def test_the_face_rests_between_those_around_a_single_lost_frame() -> None:
+    clip = with_gap(30, 31)
+    found = splice(clip, [Splice(1.0, 1.0, 1.0)]).clip
+    assert [gap.missing for gap in found.gaps] == [1]
+    assert found.duration == pytest.approx(5.0)
+    resting = found.weights[(found.times > 1.0 + EASE) & (found.times < 2.0 - EASE)]
+    np.testing.assert_allclose(resting, np.tile(CLIP.weights[30], (len(resting), 1)), atol=2e-3)
 
 
 def test_gaps_and_timecodes_go_with_the_frames(tmp_path: Path) -> None:

@@ -53,6 +53,30 @@ def test_take_sound_and_film_are_cut_alike(tmp_path: Path) -> None:
     film.close()
 
 
+@pytest.mark.parametrize("lost", ["nan", "", None], ids=["nan", "empty", "no rows"])
+@pytest.mark.parametrize(
+    ("one", "seconds", "heard"),
+    [(Splice(0.4, 0.6), 1.8, 0.8), (Splice(0.5, 0.5, 0.5), 2.5, 1.5)],
+    ids=["cut", "pause"],
+)
+def test_sound_follows_a_splice_in_a_gap(
+    tmp_path: Path, lost: str | None, one: Splice, seconds: float, heard: float
+) -> None:
+    take = make_plain_csv(tmp_path / "take.csv", 2.0)
+    head, *rows = take.read_text().splitlines()
+    for row in range(10, 25):
+        rows[row] = ",".join([rows[row].split(",")[0], *[lost or ""] * head.count(",")])
+    kept = [row for k, row in enumerate(rows) if lost is not None or not 10 <= k < 25]
+    take.write_text("\n".join([head, *kept]) + "\n")
+    make_film(tmp_path / "take.mp4", frames=60, sound=1.0)
+    found = written(take, tmp_path / "new.csv", one)
+    again = open_take(found.path).clip
+    assert again.duration == pytest.approx(seconds)
+    assert [gap.missing for gap in again.gaps] == [15 + round((seconds - 2.0) * 30)]
+    assert found.sound is not None
+    assert burst_of(found.sound) == pytest.approx(heard, abs=0.03)
+
+
 def test_samples_beyond_the_joints_are_those_of_the_sound(tmp_path: Path) -> None:
     take, sound = make_plain_csv(tmp_path / "take.csv", 2.0), tmp_path / "other.wav"
     make_wav(sound, 2.0, channels=2)

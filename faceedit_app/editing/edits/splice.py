@@ -2,6 +2,7 @@
 
 A splice begins and ends on frames, so that the other frames keep their weights to the bit. Around
 a cut both sides are mixed; before inserted time the face comes to rest, and after it sets off.
+In a gap it begins and ends where a lost frame would be, and nothing is mixed across a long gap.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from faceedit_app.formats.gaps import find_gaps
 
 LONGEST_INSERT = 600.0  # seconds
 _EASE = 0.15  # seconds in which the face comes to rest, and in which it sets off
+_BRIDGED = CROSSFADE  # seconds of a gap across which frames are mixed as if there were none
+_INSTANT = 1e-6  # seconds
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class Piece:
         first, stop: its frames.
         start, end: its seconds of the take.
         later: seconds by which it is shown later than in the take; below 0, earlier.
+        has_rest: whether the face rests in time that is inserted before it; it has no face if not.
     """
 
     first: int
@@ -53,6 +57,7 @@ class Piece:
     start: float
     end: float
     later: float
+    has_rest: bool = True
 
     @property
     def shown(self) -> float:
@@ -72,10 +77,12 @@ class Spliced:
     Attributes:
         clip: the shorter or longer clip.
         pieces: what stays of the take, in order; the first and the last may be empty.
+        notes: sentences about what gaps made different from what was wanted.
     """
 
     clip: Clip
     pieces: tuple[Piece, ...]
+    notes: tuple[str, ...] = ()
 
     def at(self, times: Times) -> Times:
         """(N,) when moments (N,) of the take are shown; what is cut out has the time of the cut."""
@@ -108,9 +115,9 @@ def splice(clip: Clip, splices: Sequence[Splice]) -> Spliced:
     Raises:
         FaceEditError: one lies outside the take, two overlap, or nothing is left.
     """
-    pieces = _pieces(clip, sorted(splices, key=lambda one: (one.start, one.end)))
+    pieces, notes = _pieces(clip, sorted(splices, key=lambda one: (one.start, one.end)))
     frames, times = _frames(clip, pieces)
-    mixed = _mixed(pieces, times)
+    mixed = _mixed(clip, pieces, times)
     weights, turns = clip.weights[frames], clip.rotations
     weights[mixed.rows] = _lips_before_jaw(clip, mixed.of(clip, clip.weights))
     rotations = None
@@ -126,32 +133,86 @@ def splice(clip: Clip, splices: Sequence[Splice]) -> Spliced:
         rotations=rotations,
         confidence=None if clip.confidence is None else clip.confidence[frames],
     )
-    return Spliced(made, pieces)
+    return Spliced(made, pieces, notes)
 
 
 # --- what stays ----------------------------------------------------------------------------------
 
 
-def _pieces(clip: Clip, splices: Sequence[Splice]) -> tuple[Piece, ...]:
+@dataclass(frozen=True)
+class _Place:
+    """Where a splice begins or ends.
+
+    Attributes:
+        frame: the first frame at this time or after it; the number of frames after the last one.
+        second: of the take.
+        gap: seconds of the gap that it lies in; 0 if it lies on a frame.
+    """
+
+    frame: int
+    second: float
+    gap: float = 0.0
+
+    @property
+    def has_face(self) -> bool:
+        """Whether there is a face, if only one between those before and after a short gap."""
+        return self.gap <= _BRIDGED
+
+
+def _pieces(clip: Clip, splices: Sequence[Splice]) -> tuple[tuple[Piece, ...], tuple[str, ...]]:
+    """What stays, and notes about it."""
     if not splices:
         raise FaceEditError("Nothing is cut out or inserted")
-    first, later, pieces = 0, 0.0, []
+    begin, later, has_rest, pieces = _Place(0, 0.0), 0.0, True, list[Piece]()
+    notes, is_first = [], True  # of what is shown
     for one in splices:
         _check(clip, one)
-        stop, again = _frame(clip, one.start), _frame(clip, one.end)
-        if stop < first:
+        stop, again = _place(clip, one.start), _place(clip, one.end)
+        if stop.second < begin.second - _INSTANT:
             raise FaceEditError(f"What is changed at {one.start:g} s is cut out already")
-        pieces.append(_piece(clip, first, stop, later))
+        if not one.seconds:
+            wanted = stop, again = stop, _later(clip, stop, again)
+            is_first = is_first and stop.frame == begin.frame
+            stop, again = _between_faces(clip, stop, again, is_first)
+            if (stop, again) != wanted:
+                notes.append(_cut_note(stop, again, is_first))
+        if stop.second < begin.second - _INSTANT:
+            raise FaceEditError(
+                f"The face is lost from {begin.second:.2f} s to {one.start:g} s, where the take "
+                "would end; cut that out too"
+            )
+        pieces.append(_piece(begin, stop, later, has_rest))
         if one.seconds:
             later += max(round(one.seconds * clip.rate), 1) / clip.rate
+            if not stop.has_face:
+                notes.append(f"the face is lost at {one.start:g} s: that gap is longer now")
         else:
-            again = min(max(again, stop + 1), len(clip))
-            later -= _second(clip, again) - _second(clip, stop)
-        first = again
-    pieces.append(_piece(clip, first, len(clip), later))
+            later -= again.second - stop.second
+        begin, has_rest = again, stop.has_face
+        is_first = is_first and not one.seconds
+    pieces.append(_piece(begin, _on_frame(clip, len(clip)), later, has_rest))
     if all(piece.first == piece.stop for piece in pieces):
         raise FaceEditError("Nothing would be left of the take; cut out less")
-    return tuple(pieces)
+    return tuple(pieces), tuple(notes)
+
+
+def _between_faces(
+    clip: Clip, stop: _Place, again: _Place, is_first: bool
+) -> tuple[_Place, _Place]:
+    """A cut after which the take neither begins nor ends in a gap, since no take can."""
+    if is_first and again.gap:
+        again = _on_frame(clip, again.frame)
+    if stop.gap and again.frame == len(clip):
+        stop = _Place(stop.frame, float(clip.times[stop.frame - 1]) + 1.0 / clip.rate, stop.gap)
+    return stop, again
+
+
+def _cut_note(stop: _Place, again: _Place, is_first: bool) -> str:
+    where = "begin" if is_first else "end"
+    return (
+        f"the take would {where} where the face is lost, so {stop.second:.2f} to "
+        f"{again.second:.2f} s is cut out"
+    )
 
 
 def _check(clip: Clip, one: Splice) -> None:
@@ -165,18 +226,34 @@ def _check(clip: Clip, one: Splice) -> None:
         raise FaceEditError(f"Up to {LONGEST_INSERT:.0f} s can be inserted")
 
 
-def _frame(clip: Clip, seconds: float) -> int:
-    """The frame at a time; after the last one, their number."""
-    after = seconds > float(clip.times[-1]) + 0.5 / clip.rate
-    return len(clip) if after else clip.frame_at(seconds)
+def _place(clip: Clip, seconds: float) -> _Place:
+    """The frame nearest to a time, or where a lost frame would be."""
+    after = int(np.searchsorted(clip.times, seconds))
+    if any(gap.frame == after - 1 for gap in clip.gaps):
+        before, following = float(clip.times[after - 1]), float(clip.times[after])
+        number = round((seconds - before) * clip.rate)
+        if 0 < number < round((following - before) * clip.rate):
+            return _Place(after, before + number / clip.rate, following - before)
+    is_end = seconds > float(clip.times[-1]) + 0.5 / clip.rate
+    return _on_frame(clip, len(clip) if is_end else clip.frame_at(seconds))
 
 
-def _second(clip: Clip, frame: int) -> float:
-    return float(clip.times[frame]) if frame < len(clip) else clip.duration
+def _on_frame(clip: Clip, frame: int) -> _Place:
+    """A frame's place; for their number, the end of the take."""
+    return _Place(frame, float(clip.times[frame]) if frame < len(clip) else clip.duration)
 
 
-def _piece(clip: Clip, first: int, stop: int, later: float) -> Piece:
-    return Piece(first, stop, _second(clip, first), _second(clip, stop), later)
+def _later(clip: Clip, stop: _Place, again: _Place) -> _Place:
+    """The end of a cut that begins at `stop`: `again`, or the next place if that is no later."""
+    if again.second <= stop.second:
+        again = _place(clip, stop.second + 1.0 / clip.rate)
+    if again.second <= stop.second:
+        again = _on_frame(clip, min(stop.frame + 1, len(clip)))
+    return again
+
+
+def _piece(begin: _Place, stop: _Place, later: float, has_rest: bool) -> Piece:
+    return Piece(begin.frame, stop.frame, begin.second, stop.second, later, has_rest)
 
 
 def _frames(clip: Clip, pieces: Sequence[Piece]) -> tuple[Indices, Times]:
@@ -185,7 +262,7 @@ def _frames(clip: Clip, pieces: Sequence[Piece]) -> tuple[Indices, Times]:
     for piece, later in zip(pieces, [*pieces[1:], None], strict=True):
         frames.append(np.arange(piece.first, piece.stop))
         times.append(clip.times[piece.first : piece.stop] + piece.later)
-        if later is not None:
+        if later is not None and later.has_rest:
             begin = piece.end + piece.later
             count = round((later.shown - begin) * clip.rate)
             frames.append(np.full(count, min(piece.stop, len(clip) - 1)))
@@ -218,28 +295,45 @@ class _Mixed:
         return found + self.share[:, None] * (others - found)
 
 
-def _mixed(pieces: Sequence[Piece], times: Times) -> _Mixed:
+def _mixed(clip: Clip, pieces: Sequence[Piece], times: Times) -> _Mixed:
     first = np.full(len(times), np.nan)
     second, share = first.copy(), np.zeros(len(times))
     for number, (before, after) in enumerate(pairwise(pieces)):
         # Neighbouring joints share the piece between them: what they change does not overlap.
         left = before.length if number == 0 else 0.5 * before.length
         right = after.length if number == len(pieces) - 2 else 0.5 * after.length
+        (early, last), (earliest, late) = (_seen(clip, t) for t in (before.end, after.start))
+        left = min(left, before.end - early)
+        right = min(right, late + 1.0 / clip.rate - after.start)
         at, rest = before.end + before.later, after.shown - before.end - before.later
-        apart, inserted = times - at, rest > 1e-6
+        apart, inserted = times - at, rest > _INSTANT
         half = min(left, right, *((_EASE, 0.5 * rest) if inserted else (CROSSFADE,)))
-        if half <= 0:
+        if half <= _INSTANT:
             continue
         near = (apart > -half) & (apart < rest + half)
         moved = apart[near]
         if inserted:
-            first[near] = second[near] = before.end + _resting(moved, rest, half)
+            moment = before.end + _resting(moved, rest, half)
+            first[near] = second[near] = np.clip(moment, earliest, last)
         else:
-            first[near], second[near] = before.end + moved, after.start + moved
+            first[near] = np.minimum(before.end + moved, last)
+            second[near] = np.maximum(after.start + moved, earliest)
             along = 0.5 + 0.5 * moved / half
             share[near] = along * along * (3.0 - 2.0 * along)
     rows = np.flatnonzero(~np.isnan(first))
     return _Mixed(rows, first[rows], second[rows], share[rows])
+
+
+def _seen(clip: Clip, second: float) -> tuple[float, float]:
+    """First and last moment around a time between which no long gap lies.
+
+    In such a gap the first is after it, and the last more than a frame before it.
+    """
+    pairs = np.array([pair for pair in clip.gap_times if pair[1] - pair[0] > _BRIDGED])
+    last, following = pairs.reshape(-1, 2).T
+    earlier = following[last + 1.0 / clip.rate < second - _INSTANT]
+    later = last[following > second + _INSTANT]
+    return float(earlier.max(initial=0.0)), float(later.min(initial=clip.times[-1]))
 
 
 def _resting(apart: Doubles, rest: float, half: float) -> Doubles:
