@@ -68,8 +68,10 @@ def retime(
 ) -> None:
     """Cut time out of a take, or insert time; times are those of the take.
 
-    The take, its sound and its film stay as they are, also with --overwrite. All other frames keep
-    their weights.
+    The take, its sound and its film stay as they are, also with --overwrite. About three frames on
+    each side of a cut are blended (0.08 s), and before and after inserted time the face comes to
+    rest and sets off (0.15 s). All other frames keep their weights. Inserted where the face is
+    lost, time has no face.
     """
     from faceedit_app.editing.filming import media_of
     from faceedit_app.editing.splicing import write_spliced

@@ -57,11 +57,19 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         if temporary is not None:
             with contextlib.suppress(OSError):
                 temporary.unlink()
-        reason = (error.strerror or str(error)).lower()
-        raise FileError(
-            path, f"cannot be written ({reason})", "choose another folder or free some space"
-        ) from error
+        raise not_written(path, error) from error
     remove_leftovers(path.parent)
+
+
+def not_written(path: Path | str, error: OSError) -> FileError:
+    """The error about a file that the system did not let be written."""
+    if isinstance(error, FileNotFoundError) and not Path(path).parent.exists():
+        problem = "cannot be written (its folder does not exist)"
+        return FileError(path, problem, "make the folder, or choose another one")
+    reason = (error.strerror or str(error)).lower()
+    return FileError(
+        path, f"cannot be written ({reason})", "choose another folder or free some space"
+    )
 
 
 def remove_leftovers(folder: Path) -> None:

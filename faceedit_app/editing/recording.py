@@ -7,6 +7,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+from faceedit_app.core.atomic import not_written
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.livelink import frame_line, header_line
 from faceedit_app.live.pose import Pose, second_of_day
@@ -129,7 +130,4 @@ class Recorder:
             self.error = self._explained(error)
 
     def _explained(self, error: OSError) -> FileError:
-        reason = (error.strerror or str(error)).lower()
-        return FileError(
-            self.path, f"cannot be written ({reason})", "choose another folder or free some space"
-        )
+        return not_written(self.path, error)

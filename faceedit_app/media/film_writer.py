@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from faceedit_app.core.arrays import Pixels
+from faceedit_app.core.atomic import not_written
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.media.sound import Sound
 
@@ -156,7 +157,7 @@ def writing(
     try:
         room = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
     except OSError as error:
-        raise _explained(path, error) from error
+        raise not_written(path, error) from error
     try:
         part = room / f"film{form.ending}"
         if form.ending:
@@ -178,16 +179,9 @@ def writing(
     except (FaceEditError, GeneratorExit):
         raise
     except OSError as error:
-        raise _explained(path, error) from error
+        raise not_written(path, error) from error
     finally:
         shutil.rmtree(room, ignore_errors=True)
-
-
-def _explained(path: Path, error: OSError) -> FileError:
-    reason = (error.strerror or str(error)).lower()
-    return FileError(
-        path, f"cannot be written ({reason})", "choose another folder or free some space"
-    )
 
 
 class _FilmWriter:

@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from faceedit_app.core.atomic import not_written
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.media.film_writer import film_format
 from faceedit_app.media.microphone import Microphone
@@ -144,7 +145,4 @@ class GrowingFilm:
             self._container.mux(self._sound.encode(block))
 
     def _explained(self, error: OSError) -> FileError:
-        reason = (error.strerror or str(error)).lower()
-        return FileError(
-            self._path, f"cannot be written ({reason})", "choose another folder or free some space"
-        )
+        return not_written(self._path, error)

@@ -93,4 +93,25 @@ def test_wrong_usage_is_reported_and_nothing_is_written(
     assert "does not say when" in complaint(take, "--cut", "0-1", "--words", lines, "-o", new)
     assert "none.csv" in complaint(tmp_path / "none.csv", "--cut", "1-1.5", "-o", new)
     assert ".fbx" in complaint(take, "--cut", "1-1.5", "-o", tmp_path / "new.xyz")
+    missing = complaint(take, "--cut", "1-1.5", "-o", tmp_path / "no" / "new.csv")
+    assert "its folder does not exist" in missing
     assert sorted(tmp_path.iterdir()) == there
+
+
+def test_a_cut_and_a_pause_where_the_face_is_lost_say_what_became_of_them(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    take, new = make_plain_csv(tmp_path / "take.csv", 3.0), tmp_path / "new.csv"
+    rows = take.read_text().splitlines()
+    take.write_text("\n".join(rows[:16] + rows[46:]) + "\n")  # 0.5 to 1.5 s are lost
+    splices = ("--cut", "0-0.8", "--insert", "2+1", "--cut", "2.2-2.4")
+    assert main(["retime", *map(str, (take, *splices, "-o", new))]) == 0
+    first, *remarks = capfd.readouterr().out.splitlines()
+    assert "69 frames, 2.30 s" in first
+    assert remarks == [
+        "  the take would begin where the face is lost, so 0.00 to 1.50 s is cut out"
+    ]
+    assert main(["retime", *map(str, (take, "--insert", "1+1", "-o", new, "--overwrite"))]) == 0
+    first, *remarks = capfd.readouterr().out.splitlines()
+    assert "60 frames, 4.00 s" in first
+    assert remarks == ["  the face is lost at 1 s: that gap is longer now"]

@@ -101,7 +101,7 @@ def trouble(
     return {
         "full": (full, "no space left on device"),
         "read-only": (read_only, "read-only file system"),
-        "gone": (gone, "no such file or directory"),
+        "gone": (gone, "its folder does not exist"),
     }[request.param]
 
 
@@ -110,7 +110,9 @@ def reported(bench: Bench, path: Path, reason: str) -> None:
     (line,) = bench.errors
     bench.errors.clear()
     assert line.startswith(f"{path}: cannot be written ({reason}")
-    assert line.endswith("choose another folder or free some space")
+    other = "make the folder, or choose another one"
+    remedy = other if "folder" in reason else "choose another folder or free some space"
+    assert line.endswith(f"; {remedy}")
     assert "\n" not in line
 
 
@@ -186,7 +188,7 @@ def test_a_journal_that_cannot_be_written_is_reported_until_it_can(
     window = ready(bench, bench.folder)
     assert not window.banner.isVisible()
     bring()
-    if reason.startswith("no such"):
+    if "folder" in reason:
         drive.write_text("a drive that is gone: nothing can be made there")
         reason = "not a directory"
     drag_curve(window, 0, 1.0, 20)
