@@ -12,6 +12,7 @@ import typer
 
 from faceedit_app.command_line.opening import rig_of
 from faceedit_app.command_line.options import JsonOption, ModelsOption
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -158,6 +159,7 @@ def make(
     for part in left_out:
         if part not in PARTS:
             raise FaceEditError(f"--without {part[:40]}: must be {', '.join(PARTS)}")
+    keep_inputs([output], [scan, points, landmarker])
     template, head = Template.of(shipped_rig()), read_scan(scan)
     if points is not None:
         landmarks = template.landmarks(read_points(points))

@@ -11,7 +11,7 @@ import typer
 
 from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.command_line.progress import bar
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_inputs, write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
 from faceedit_app.core.resources import shipped
@@ -130,6 +130,7 @@ def evaluate(
     from faceedit_app.lab.evaluation.report import summary_lines, write_report
     from faceedit_app.lab.training.data import load_performances
 
+    keep_inputs([output], filter(Path.is_file, takes))
     performances = load_performances(takes, exclude or ())
     with bar("Evaluating") as advance:
         figures = evaluate_takes(
@@ -176,6 +177,7 @@ def evaluate_words(
     from faceedit_app.editing.opening import load_engine, shipped_rig
     from faceedit_app.lab.evaluation import words as evaluation
 
+    keep_inputs([output], [*takes, words])
     figures = evaluation.evaluate_words(takes, words, load_engine(shipped_rig(), models))
     text = evaluation.report(figures)
     if output is not None:
@@ -209,6 +211,7 @@ def evaluate_tracking(
     from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
+    keep_inputs([output], [*filter(Path.is_file, takes), *(character or ())])
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
     known = {how.name: how for how in CONDITIONS}
     for name in films or ():

@@ -17,6 +17,7 @@ from faceedit_app.command_line.options import (
     TakeArgument,
 )
 from faceedit_app.command_line.progress import bar
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 
@@ -64,11 +65,16 @@ def render(
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take, or film the whole take."""
+    from faceedit_app.media import beside
+
     width, height = _size(size)
     if form is None and output.suffix.lower() not in ("", ".png", ".mp4", ".webm"):
         raise FaceEditError(
             f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
         )
+    heard, seen = beside(take.absolute())
+    media = sound or heard, film or seen
+    keep_inputs([output], [take, *media, edits, character, models])
     session = edited_session(take, fps, edits, models, character)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:

@@ -18,6 +18,7 @@ from faceedit_app.command_line.options import (
     OverwriteOption,
     TakeArgument,
 )
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -81,6 +82,8 @@ def retime(
     if not splices:
         raise FaceEditError("retime needs --cut START-END or --insert AT+SECONDS")
     grid = output.with_suffix(".TextGrid")
+    new = (output, *(output.with_suffix(ending) for ending in (".TextGrid", ".wav", ".mp4")))
+    keep_inputs(new, [take, edits, words, sound, film, models])
     said = None if words is None else _timed_words(words, grid, overwrite)
     session = edited_session(take, fps, edits, models, None)
     media = media_of(session.take, sound, film)
@@ -105,8 +108,7 @@ def _timed_words(words: Path, grid: Path, overwrite: bool) -> Transcript:
     """The take's words, if those of the new take can be written to `grid`."""
     from faceedit_app.words.files import read_words
 
-    replaces = overwrite and grid.absolute() != words.absolute()
-    if grid.exists() and not replaces:
+    if grid.exists() and not overwrite:
         raise FileError(grid, "exists", "choose another name for the new take")
     said = read_words(words).transcript
     if said is None:

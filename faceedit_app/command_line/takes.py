@@ -21,6 +21,7 @@ from faceedit_app.command_line.options import (
     TakeArgument,
     TakeFpsOption,
 )
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 from faceedit_app.media import FILM_ENDINGS
@@ -71,6 +72,7 @@ def apply(
     from faceedit_app.formats.timing import counted
 
     settings = _settings(mode, naturalness, reach)
+    keep_inputs([output], [edits, character, models])
     rig = shipped_rig()
     engine = load_engine(rig, models)
     session = open_session(take, rig, engine, fps)
@@ -161,6 +163,7 @@ def convert(
     from faceedit_app.formats.opening import checked_rate
     from faceedit_app.formats.timing import format_rate
 
+    keep_inputs([output], [character])
     if fps is not None:
         fps = checked_rate(output, fps)
     if form is not None or output.suffix.lower() != take.suffix.lower():

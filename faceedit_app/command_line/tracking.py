@@ -13,7 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.command_line.options import JsonOption
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
+
+_REPORT = "side_by_side"  # the name of its files
 
 if TYPE_CHECKING:
     from faceedit_app.core.rig import Rig
@@ -61,6 +64,7 @@ def track(
     rig, code, facts = shipped_rig(), 0, []
     for path, take in _jobs(film, output):
         try:
+            keep_inputs(_written(take, None if film.is_dir() else report), [path, edits])
             found = _track_one(path, take, rig, fps, place, None if as_json else _Line(path))
         except FileError as error:
             if film.is_file():
@@ -134,6 +138,14 @@ def webcam(
         raise FaceEditError(f"{chosen.name} sent no picture")
 
 
+def _written(take: Path, report: Path | None) -> list[Path]:
+    """The files of a take that is tracked, and of its report."""
+    from faceedit_app.tracking.landmark_file import beside
+
+    pages = [] if report is None else [report / f"{_REPORT}{end}" for end in (".mp4", ".png")]
+    return [take, beside(take), *pages]
+
+
 def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
     """The films and the takes to write."""
     from faceedit_app.media import FILM_ENDINGS
@@ -194,7 +206,7 @@ def _report(
         edited = session.weights
     folder.mkdir(parents=True, exist_ok=True)
     shown = Shown.of_tracked(tracked, edited)
-    return write_side_by_side(folder / "side_by_side.mp4", shown, rig)
+    return write_side_by_side(folder / f"{_REPORT}.mp4", shown, rig)
 
 
 def _facts(tracked: Tracked, take: Path, fps: float | None) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from faceedit_app.command_line.options import (
     ModelsOption,
     OverwriteOption,
 )
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -94,6 +95,8 @@ def words(
     _check_written(output, fix, retime_to)
     if retime_to is None and (their_text is not None or their_start is not None):
         raise FaceEditError("--their-text and --their-start belong to --retime-to")
+    keep_inputs([save, output], _read(source, file, retime_to, character, models))
+    keep_inputs([save], [source])
     said = read_words(file) if file is not None else Imported((Line(text or ""),))
     spellings = _spellings(sounds_like or [])
     more: dict[str, Any] = {"closures": []}
@@ -115,6 +118,13 @@ def words(
         write_words(save, transcript, seconds)
     report = {**as_tables(transcript), **more, "noise_db": transcript.noise}
     say(json.dumps(report, indent=2) if as_json else _text(report))
+
+
+def _read(source: Path, *others: Path | None) -> tuple[Path | None, ...]:
+    """The files that are read besides a take: also the sound and the film beside it."""
+    from faceedit_app.media import beside, is_media
+
+    return others if is_media(source) else (*others, *beside(source.absolute()))
 
 
 def _warn_of_noise(transcript: Transcript) -> None:

@@ -9,6 +9,7 @@ import os
 import shutil
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from faceedit_app.core.errors import FileError
@@ -120,6 +121,33 @@ def keep_backup(path: Path | str) -> Path:
                 backup, f"cannot be written ({reason})", "choose another name for the new file"
             ) from error
     raise AssertionError("unreachable")
+
+
+def keep_inputs(written: Iterable[Path | None], read: Iterable[Path | None]) -> None:
+    """Make sure that no file that is read is written over, whatever name or link leads to it.
+
+    Args:
+        written: the files that will be written; None is none.
+        read: the files that are read, and folders whose files are; None is none.
+
+    Raises:
+        FileError: one of them would be written over.
+    """
+    inputs = [path for path in read if path is not None]
+    for path in written:
+        if path is None or not path.is_file():
+            continue
+        for other in inputs:
+            if _is_same(path, other) or _is_same(Path(os.path.realpath(path)).parent, other):
+                problem = "would be written over, but it is read here as well"
+                raise FileError(path, problem, "choose another name for the new file")
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    try:
+        return os.path.samefile(path, other)
+    except (OSError, ValueError):
+        return False
 
 
 def _permissions(path: Path) -> int:

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.characters.map_file import map_path
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_inputs, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.rig import Rig
@@ -230,6 +231,7 @@ def export_take(
     """
     options = options or Options()
     kind, straight, note = form.kind, False, ""
+    keep_inputs([path], _files_of(options.character))
     if isinstance(kind, registry.Format):
         same = kind.name == take.kind and options.rate in (None, take.clip.rate)
         if kind.write is None and not same:
@@ -299,6 +301,14 @@ def changed_frames(session: EditSession, path: Path) -> int:
     if written.rotations is not None and tracked.rotations is not None:
         differs |= np.any(written.rotations != tracked.rotations, axis=1)
     return int(differs.sum())
+
+
+def _files_of(character: FittedCharacter | Path | None) -> tuple[Path, ...]:
+    """What is read for a character: its file or folder, and its map."""
+    if character is None:
+        return ()
+    path = character if isinstance(character, Path) else character.character.path
+    return path, map_path(path)
 
 
 def _opened(character: FittedCharacter | Path | None) -> FittedCharacter | Rig:

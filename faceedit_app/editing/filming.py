@@ -13,6 +13,7 @@ from PIL import Image
 
 from faceedit_app import render
 from faceedit_app.core.arrays import Floats, Pixels
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.head import Head
@@ -173,6 +174,7 @@ def film_take(
     rate = take.clip.rate if shot.rate is None else shot.rate
     edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
     size = shot.size[0] - shot.size[0] % 2, shot.size[1] - shot.size[1] % 2
+    keep_inputs([path], (part.path for part in (media.sound, media.film) if part is not None))
     make_way(path, take.path, shot.overwrite)
     with ExitStack() as opened:
         film = None

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.core.atomic import keep_backup, write_atomically
+from faceedit_app.core.atomic import keep_backup, keep_inputs, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
@@ -178,10 +178,7 @@ def _check_other(written: Sequence[Path], take: Take, media: Placement) -> None:
         FileError: one would be.
     """
     parts = (media.sound, media.film)
-    own = {p.absolute() for p in (take.path, *(part.path for part in parts if part is not None))}
-    for file in written:
-        if file.absolute() in own:
-            raise FileError(file, "belongs to the take itself", "choose another name")
+    keep_inputs(written, (take.path, *(part.path for part in parts if part is not None)))
 
 
 def _check_room(path: Path, written: Sequence[Path], overwrite: bool) -> None:

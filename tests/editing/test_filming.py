@@ -288,6 +288,8 @@ def test_the_command_films_a_take(tmp_path: Path, capfd: pytest.CaptureFixture[s
     assert "AAC" in said
     with av.open(str(out)) as container:
         assert container.streams.audio
+    out = out.rename(tmp_path / "first.mp4")  # beside the take, it would be taken for its film
+    command[3] = str(out)
     assert main([*command, "--silent"]) == 0
     with av.open(str(out)) as container:
         assert not container.streams.audio
