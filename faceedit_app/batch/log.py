@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -31,7 +31,13 @@ class Log:
 
     def outcomes(self) -> dict[str, Outcome]:
         """The last outcome of each take, by name; a line cut off by a crash is left out."""
-        found = {}
+        return {outcome.name: outcome for outcome in self._all()}
+
+    def written(self) -> set[str]:
+        """All files that were ever written, see `Outcome.written`."""
+        return {outcome.written for outcome in self._all() if outcome.written}
+
+    def _all(self) -> Iterator[Outcome]:
         self._file.seek(0)
         for line in self._file:
             with suppress(ValueError, TypeError):
@@ -39,8 +45,7 @@ class Log:
                 lists: dict[str, Any] = {
                     k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()
                 }
-                found[entry["name"]] = Outcome(**lists)
-        return found
+                yield Outcome(**lists)
 
     def add(self, outcome: Outcome) -> None:
         """Add an outcome."""

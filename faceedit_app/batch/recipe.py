@@ -44,12 +44,17 @@ class Recipe:
     follows_head: bool = False
 
     @property
+    def files(self) -> tuple[str, ...]:
+        """The files that it names."""
+        names = (self.edits, self.preset, self.character or "")
+        return tuple(name for name in names if name and Path(name).is_file())
+
+    @property
     def digest(self) -> str:
         """Differs between recipes that do different things, also if a file that they name does."""
         text = json.dumps(asdict(self), sort_keys=True)
-        for name in (self.edits, self.preset, self.character or ""):
-            if name and Path(name).is_file():
-                text += fingerprint(Path(name)).sha256
+        for name in self.files:
+            text += fingerprint(Path(name)).sha256
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

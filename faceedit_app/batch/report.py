@@ -22,6 +22,7 @@ _COLUMNS = (
     "problems",
     "left",
     "error",
+    "backup",
 )
 _WIDTH, _HEIGHT = 240, 36  # pixels of a small curve
 _STYLE = """
@@ -67,9 +68,9 @@ def _table(outcomes: Sequence[Outcome], skipped: Sequence[Skipped]) -> str:
     for one in outcomes:
         result = "failed" if one.error else "written"
         numbers = (one.frames, one.changed, one.seconds, one.problems, one.left)
-        out.writerow([one.name, result, one.written, *numbers, one.error])
+        out.writerow([one.name, result, one.written, *numbers, one.error, one.backup])
     for other in skipped:
-        out.writerow([other.name, "skipped", "", *[""] * 5, other.reason])
+        out.writerow([other.name, "skipped", "", *[""] * 5, other.reason, ""])
     return text.getvalue()
 
 
@@ -95,10 +96,11 @@ def _row(one: Outcome) -> str:
     name = html.escape(one.name)
     if one.error:
         return f'<tr><td>{name}<td colspan="5"><td class="bad">{html.escape(one.error)}</tr>'
+    kept = f" (the file that was there is now {one.backup})" if one.backup else ""
     return (
         f'<tr><td>{name}<td>{_curves(one)}<td class="n">{one.seconds:.1f}'
         f'<td class="n">{one.changed} of {one.frames}<td class="n">{one.problems}'
-        f'<td class="n">{one.left}<td>{html.escape(one.written)}</tr>'
+        f'<td class="n">{one.left}<td>{html.escape(one.written + kept)}</tr>'
     )
 
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import filecmp
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
 from faceedit_app import api
 from faceedit_app.batch.recipe import Recipe
+from faceedit_app.core.atomic import keep_backup, keep_inputs
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing import exporting
 from faceedit_app.editing.files.fingerprint import fingerprint
+from faceedit_app.editing.files.originals import Kept
 from faceedit_app.formats.registry import no_takes_below, takes_below
 from faceedit_app.formats.timing import RateNeeded
 
+_OTHER_FOLDER = "choose another folder for the results"
 _POINTS = 120  # of the small curve of a take
 
 
@@ -28,12 +33,22 @@ class Task:
         name: its path in the input folder, with slashes.
         source, output: the file to read, and the file to write.
         recipe: what to do.
+        written: the path of `output` in the folder of the results, with slashes; "" = its name.
+        is_ours: whether a file that is there was written by this batch; of any other, a copy is
+            kept.
     """
 
     name: str
     source: Path
     output: Path
     recipe: Recipe
+    written: str = ""
+    is_ours: bool = False
+
+    @property
+    def result(self) -> str:
+        """The path of the result in the output folder, with slashes."""
+        return self.written or self.output.name
 
 
 @dataclass(frozen=True)
@@ -44,11 +59,12 @@ class Outcome:
         name: of the task.
         error: why it failed, one line; "" if it did not.
         sha256, digest: of the source and of the recipe: another outcome is needed if one differs.
-        written: the name of the file, in the output folder.
+        written: the path of the file in the output folder, with slashes.
         frames, changed: of the take, and those that edits changed.
         seconds: how long the take is.
         problems, left: how many problems it had, and has now.
         tracked, edited: the opening of the mouth in mm, a small curve each.
+        backup: the path there of the copy of a file that it replaced; "" if there was none.
     """
 
     name: str
@@ -63,13 +79,15 @@ class Outcome:
     left: int = 0
     tracked: tuple[float, ...] = ()
     edited: tuple[float, ...] = ()
+    backup: str = ""
 
 
 def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
     """The tasks for all takes in a folder and its subfolders.
 
     Raises:
-        FileError: there are no takes, or the folders are the same.
+        FileError: there are no takes, the folders are the same, or a result would be written over
+            a take or another file that is read.
     """
     if not source.is_dir():
         raise FileError(source, "is not a folder", "give the folder with the takes")
@@ -88,8 +106,20 @@ def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
         target = output / (inside.with_suffix(ending) if ending else inside)
         if target in tasks:  # take.csv and take.json become one name
             target = target.with_name(f"{path.stem}_{path.suffix[1:].lower()}{target.suffix}")
-        tasks[target] = Task(inside.as_posix(), path.absolute(), target.absolute(), recipe)
+        written = target.relative_to(output).as_posix()
+        tasks[target] = Task(inside.as_posix(), path.absolute(), target.absolute(), recipe, written)
+    _keep_what_is_read(tasks, found, recipe)
     return list(tasks.values())
+
+
+def _keep_what_is_read(targets: Iterable[Path], takes: Iterable[Path], recipe: Recipe) -> None:
+    """Raise FileError if a result would be written over a take or a file of the recipe."""
+    sources = {os.path.realpath(path) for path in takes}
+    others = [Path(name) for name in (*recipe.files, recipe.models) if name]
+    for target in targets:
+        if os.path.realpath(target) in sources:
+            raise FileError(target, "is one of the takes", _OTHER_FOLDER)
+        keep_inputs([target], others, _OTHER_FOLDER)
 
 
 @dataclass(frozen=True)
@@ -132,15 +162,13 @@ def perform(task: Task) -> Outcome:
             take.preset(recipe.preset)
         if recipe.edits:
             take.load_edits(recipe.edits)
-        task.output.parent.mkdir(parents=True, exist_ok=True)
-        form = recipe.form or None
-        done = take.export(task.output, form, recipe.rate, follow_head=recipe.follows_head)
+        done, backup = _export(take, task)
         changed = take.session.changed_frames()
         if done.form.is_own and recipe.rate is None:
             changed = exporting.changed_frames(take.session, task.output)
         return replace(
             outcome,
-            written=task.output.name,
+            written=task.result,
             frames=len(take.times),
             changed=changed,
             seconds=round(take.duration, 3),
@@ -148,14 +176,39 @@ def perform(task: Task) -> Outcome:
             left=len(take.problems()) if take.edits else problems,
             tracked=_small(take.curve(LIP_OPENING, tracked=True)),
             edited=_small(take.curve(LIP_OPENING)),
+            backup="" if backup is None else str(PurePosixPath(task.result).with_name(backup.name)),
         )
     except RateNeeded as error:  # --fps is the rate to write here
         remedy = error.remedy.replace("--fps", "--take-fps")
         return replace(outcome, error=str(FileError(error.path, error.problem, remedy)))
+    except Kept as error:
+        return replace(outcome, error=str(FileError(error.path, error.problem, _OTHER_FOLDER)))
     except FaceEditError as error:
         return replace(outcome, error=str(error))
     except Exception as error:  # a fault of ours in one take must not stop the others
         return replace(outcome, error=f"{task.source}: {type(error).__name__}: {error}")
+
+
+def _export(take: api.Take, task: Task) -> tuple[exporting.Exported, Path | None]:
+    """Write the result of a task; of a file that is not of this batch, a copy is kept.
+
+    Returns:
+        What was written, and the copy, if one was needed.
+    """
+    folder, recipe = task.output.parent, task.recipe
+    folder.mkdir(parents=True, exist_ok=True)
+    before = os.listdir(folder)
+    backup = None if task.is_ours or not task.output.is_file() else keep_backup(task.output)
+    is_needed = False
+    try:
+        form = recipe.form or None
+        done = take.export(task.output, form, recipe.rate, follow_head=recipe.follows_head)
+    finally:
+        if backup is not None:  # nothing is lost if the same was written, or nothing
+            is_needed = not filecmp.cmp(backup, task.output, shallow=False)
+            if not is_needed and backup.name not in before:
+                backup.unlink()
+    return done, backup if is_needed else None
 
 
 def _small(curve: np.ndarray) -> tuple[float, ...]:

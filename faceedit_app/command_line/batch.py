@@ -57,7 +57,8 @@ def batch(
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed;
-    files that are no takes are skipped and reported.
+    files that are no takes are skipped and reported. A file in the results' folder that no batch
+    wrote there is kept as NAME.bak.
     With --character, lips and lids also close on that character; --format glb writes the character.
     """
     from faceedit_app.batch.log import Log
@@ -103,7 +104,8 @@ def _worked_on(
                 advance(done)
                 if not quiet:
                     said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
-                    say(f"[{done}/{of}] {outcome.name}: {said}")
+                    kept = f"; the file that was there is now {outcome.backup}"
+                    say(f"[{done}/{of}] {outcome.name}: {said}{kept if outcome.backup else ''}")
 
             return run(tasks, log, jobs, scheduler, report)
     finally:

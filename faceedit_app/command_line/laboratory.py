@@ -130,7 +130,7 @@ def evaluate(
     from faceedit_app.lab.evaluation.report import summary_lines, write_report
     from faceedit_app.lab.training.data import load_performances
 
-    keep_inputs([output], filter(Path.is_file, takes))
+    keep_inputs([output], [path for path in takes if path.is_file()])
     performances = load_performances(takes, exclude or ())
     with bar("Evaluating") as advance:
         figures = evaluate_takes(
@@ -211,7 +211,7 @@ def evaluate_tracking(
     from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
-    keep_inputs([output], [*filter(Path.is_file, takes), *(character or ())])
+    keep_inputs([output], [*(path for path in takes if path.is_file()), *(character or ())])
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
     known = {how.name: how for how in CONDITIONS}
     for name in films or ():

@@ -82,8 +82,8 @@ def retime(
     if not splices:
         raise FaceEditError("retime needs --cut START-END or --insert AT+SECONDS")
     grid = output.with_suffix(".TextGrid")
-    new = (output, *(output.with_suffix(ending) for ending in (".TextGrid", ".wav", ".mp4")))
-    keep_inputs(new, [take, edits, words, sound, film, models])
+    targets = (output, *(output.with_suffix(ending) for ending in (".TextGrid", ".wav", ".mp4")))
+    keep_inputs(targets, [take, edits, words, sound, film, models])
     said = None if words is None else _timed_words(words, grid, overwrite)
     session = edited_session(take, fps, edits, models, None)
     media = media_of(session.take, sound, film)

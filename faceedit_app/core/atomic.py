@@ -123,12 +123,17 @@ def keep_backup(path: Path | str) -> Path:
     raise AssertionError("unreachable")
 
 
-def keep_inputs(written: Iterable[Path | None], read: Iterable[Path | None]) -> None:
+def keep_inputs(
+    written: Iterable[Path | None],
+    read: Iterable[Path | None],
+    remedy: str = "choose another name for the new file",
+) -> None:
     """Make sure that no file that is read is written over, whatever name or link leads to it.
 
     Args:
         written: the files that will be written; None is none.
         read: the files that are read, and folders whose files are; None is none.
+        remedy: what the user can do about it.
 
     Raises:
         FileError: one of them would be written over.
@@ -140,7 +145,7 @@ def keep_inputs(written: Iterable[Path | None], read: Iterable[Path | None]) -> 
         for other in inputs:
             if _is_same(path, other) or _is_same(Path(os.path.realpath(path)).parent, other):
                 problem = "would be written over, but it is read here as well"
-                raise FileError(path, problem, "choose another name for the new file")
+                raise FileError(path, problem, remedy)
 
 
 def _is_same(path: Path, other: Path) -> bool:

@@ -25,6 +25,8 @@ from faceedit_app.batch.report import write_reports
 from faceedit_app.batch.tasks import Outcome, Task, perform, plan
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.files.project import Project, write_project
+from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.opening import open_take
 
 DEMO = ROOT / "assets" / "demo_take.csv"
@@ -169,6 +171,66 @@ def test_results_have_one_name_each(takes: Path, tmp_path: Path, models: str) ->
     assert command("none", takes, out, models, "--format", "glb", "--fps", "24") == 0
     assert {path.name for path in out.rglob("*.glb")} == {"a.glb", "a_json.glb", "b.glb"}
     assert {open_take(path).clip.rate for path in out.rglob("*.glb")} == {24}
+
+
+def test_files_that_no_batch_wrote_are_kept(
+    takes: Path, tmp_path: Path, models: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (takes / "bad.csv").unlink()
+    out = tmp_path / "out"
+    (out / "day 2").mkdir(parents=True)
+    (out / "day 2" / "b.csv").write_text("mine")
+    (out / "a.csv").write_bytes((takes / "a.csv").read_bytes())  # what is written anyway
+    edits = edits_in(tmp_path)
+    for what, backup in (("none", "mine"), (edits, "mine")):  # what a batch wrote may go
+        assert command(what, takes, out, models) == 0
+        assert (out / "day 2" / "b.csv.bak").read_text() == backup
+        assert {path.name for path in out.rglob("*.bak*")} == {"b.csv.bak"}
+        said = capfd.readouterr().out
+        assert ("that was there is now day 2/b.csv.bak" in said) == (what == "none")
+
+
+def test_a_result_is_named_by_its_path(
+    takes: Path, tmp_path: Path, models: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (takes / "bad.csv").unlink()
+    out = tmp_path / "out"
+    assert command("none", takes, out, models, "--json") == 0
+    facts = {one["name"]: one for one in json.loads(capfd.readouterr().out)["takes"]}
+    assert facts["day 2/b.csv"]["path"] == str(out / "day 2" / "b.csv")
+    assert Path(facts["day 2/b.csv"]["path"]).is_file()
+    assert [line["written"] for line in outcomes_in(out)] == ["a.csv", "day 2/b.csv"]
+    with (out / "faceedit_report.csv").open(newline="") as file:
+        assert [row["written"] for row in csv.DictReader(file)][:2] == ["a.csv", "day 2/b.csv"]
+    assert "<td>day 2/b.csv</tr>" in (out / "faceedit_report.html").read_text()
+
+
+@pytest.mark.parametrize("kind", ["edits", "take", "project"])
+def test_a_result_is_not_written_over_what_is_read(
+    takes: Path, tmp_path: Path, models: str, capfd: pytest.CaptureFixture[str], kind: str
+) -> None:
+    (takes / "bad.csv").unlink()
+    out, what = tmp_path / "out", str(edits_in(tmp_path))
+    out.mkdir()
+    kept = out / "a.csv"
+    if kind == "edits":
+        source = {"facsNames": ["jawOpen"], "weightMat": [[0.1]] * 30, "exportFps": 30}
+        (takes / "edits.json").write_text(json.dumps(source))
+        kept = Path(what).rename(out / "edits.json")
+        what = str(kept)
+    elif kind == "take":
+        kept.symlink_to(takes / "a.csv")
+    else:
+        make_livelink_csv(kept)
+        session = open_session(kept)
+        project = Project(kept, session.fingerprint, session.state)
+        write_project(out / "mine.faceedit", project)
+    before = kept.read_bytes()
+    assert command(what, takes, out, models) == (1 if kind == "project" else 2)
+    found = capfd.readouterr()
+    assert "choose another folder for the results" in found.out + found.err
+    assert kept.read_bytes() == before
+    assert not list(tmp_path.rglob("*.bak"))
 
 
 def test_heads_of_characters_follow_only_if_asked(tmp_path: Path, models: str) -> None:

@@ -12,6 +12,21 @@ from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.editing.files.project import read_project
 
 
+class Kept(FileError):
+    """A recording that would be replaced.
+
+    Args:
+        path: the recording.
+        reason: what it is, as `why_keep` says.
+        way: how the user can allow it, where that is possible; "" = not here.
+    """
+
+    def __init__(self, path: Path, reason: str, way: str = "add --overwrite") -> None:
+        allow = f", or {way}, which keeps a copy of it (.bak)" if way else ""
+        super().__init__(path, reason, f"choose another name{allow}")
+        self.reason = reason
+
+
 def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
     """Why a file should not be replaced, as a phrase that follows its name.
 
@@ -50,15 +65,14 @@ def make_way(path: Path, take: Path, overwrite: bool) -> Path | None:
         The copy, if one was made.
 
     Raises:
-        FileError: it is a recording and `overwrite` is False, or the copy cannot be written.
+        Kept: it is a recording and `overwrite` is False.
+        FileError: the copy cannot be written.
     """
     reason = why_keep(path, take)
     if not reason:
         return None
     if not overwrite:
-        raise FileError(
-            path, reason, "choose another name, or add --overwrite, which keeps a copy of it (.bak)"
-        )
+        raise Kept(path, reason)
     return keep_backup(path)
 
 
