@@ -26,6 +26,7 @@ from faceedit_app.formats.timecode import (
     write_timecode,
 )
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
+from faceedit_app.formats.timecode_style import style_of
 
 FORMAT = "Live Link Face CSV"
 # The application writes right before left in two places.
@@ -33,7 +34,6 @@ _SWAPPED = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"}
 _SWAPPED |= {right: left for left, right in _SWAPPED.items()}
 _ORDER = [_SWAPPED.get(name, name) for name in ARKIT_CHANNELS]
 _PLACES = [ARKIT_INDEX[name] for name in _ORDER]
-_WHOLE = 1e-3  # frames per second by which a rate may miss a whole number
 _ROTATIONS = [
     part + axis for part in ("Head", "LeftEye", "RightEye") for axis in ("Yaw", "Pitch", "Roll")
 ]
@@ -66,8 +66,8 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 def write(clip: Clip) -> bytes:
     """A clip as the application writes it: all 52 shapes, 9 rotations (or 0), timecodes.
 
-    The timecode begins at the clip's, if it has one, else at 0 or within the first frame. Lost
-    frames are left out, as the application does.
+    The timecode begins at the clip's, if it has one, else at 0. Lost frames are left out, as the
+    application does.
     """
     still = np.zeros((len(clip), len(_ROTATIONS)), np.float32)
     return write_with(clip, still if clip.rotations is None else clip.rotations)
@@ -81,8 +81,8 @@ def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> byte
         rotations: (T, 9) radians: yaw, pitch and roll of the head, the left and the right eye.
         lost: (L,) times of lost frames, seconds on the clip's clock.
     """
-    begin = start_of_day(clip.timecodes) if clip.timecodes else _begin(clip.rate)
-    times = begin + clip.times + _measured(clip.times)
+    begin = start_of_day(clip.timecodes) if clip.timecodes else 0.0
+    times = _told_apart(begin + clip.times + _measured(clip.times))
     frames = zip(times.tolist(), clip.arkit_weights(), rotations, strict=True)
     lines = [(time, frame_line(time, row, turns)) for time, row, turns in frames]
     header = header_line()
@@ -97,14 +97,18 @@ def write_with(clip: Clip, rotations: Floats, lost: Times | None = None) -> byte
     return "".join([header, *(line for _, line in sorted(lines))]).encode()
 
 
-def _begin(rate: float) -> float:
-    """Where the timecode begins if the clip has none, in seconds.
+def _told_apart(times: Times) -> Times:
+    """(T,) the times, which other readers must not take for something else than a timecode.
 
-    At 29.97 fps and the like, the thousandths of a frame grow by one a frame. From 0 on they would
-    be read as the frame's number, which other tools write there.
+    At 59.94 fps, the thousandths of a frame grow by one a row. From 0 on they would be read as the
+    frame's number, which other tools write there; a thousandth more in the second row prevents it.
     """
-    is_broadcast = abs(rate - round(rate)) > _WHOLE and abs(rate * 1.001 % 1 - 0.5) > 0.5 - _WHOLE
-    return 0.5 / DEFAULT_BASE if is_broadcast else 0.0
+    texts = [write_timecode(time, DEFAULT_BASE) for time in times.tolist()]
+    if len(times) < 2 or style_of(texts) is not None:
+        return times
+    told = times.copy()
+    told[1] += 1e-3 / DEFAULT_BASE
+    return told
 
 
 def _measured(times: Times) -> Times:

@@ -185,13 +185,15 @@ def time_of_day(text: str, base: int) -> float | None:
 
 
 def start_of_day(texts: Sequence[str]) -> float:
-    """Seconds since midnight of the first timecode.
+    """Seconds since midnight of the first of T >= 1 timecodes, as all of them are read.
 
     Raises:
         BadTimecode: a text is not one.
     """
     stamps = parse_timecodes(texts)
-    return time_of_day(texts[0], derive_base(stamps)[0]) or 0.0
+    if len(texts) == 1:
+        return time_of_day(texts[0], assumed_base(stamps)) or 0.0
+    return read_stamps(stamps).begin
 
 
 def write_timecode(seconds: float, base: int) -> str:

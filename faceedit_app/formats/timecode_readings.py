@@ -68,6 +68,7 @@ class Reading:
         second: frames in a real second.
         base: frames that the timecode counts in a second.
         resolution: of the places, in frames.
+        begin: of the first row, in seconds since midnight.
         notes: what is unusual about it.
     """
 
@@ -75,6 +76,7 @@ class Reading:
     second: float
     base: int
     resolution: float
+    begin: float
     notes: tuple[str, ...] = ()
 
 
@@ -103,7 +105,8 @@ def _plain(stamps: Stamps, drop: bool) -> Reading:
     # Drop-frame is itself the evidence for a broadcast rate, however short the take.
     resolution = 0.0 if drop else (1.0 if whole else 0.001)
     second = base / 1.001 if drop else float(base)
-    return Reading(count_frames(stamps, base, drop), second, base, resolution, notes)
+    places = count_frames(stamps, base, drop)
+    return Reading(places, second, base, resolution, float(places[0]) / second, notes)
 
 
 def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
@@ -170,7 +173,7 @@ def _milliseconds(stamps: Stamps) -> Iterator[Reading]:
     if stamps.width == 3 or stamps.last.max() > max(BASES):
         note = "the timecode gives milliseconds in place of frames"
         places = 1000.0 * stamps.clock + stamps.last
-        yield Reading(places, 1000.0, MILLISECONDS, 1.0, (note,))
+        yield Reading(places, 1000.0, MILLISECONDS, 1.0, float(places[0]) / 1000, (note,))
 
 
 def _milliseconds_of_the_second(stamps: Stamps) -> Iterator[Reading]:
@@ -183,11 +186,13 @@ def _milliseconds_of_the_second(stamps: Stamps) -> Iterator[Reading]:
         late = part * (base / 1000) - frames  # in frames; some writers round down, some to even
         if np.all(np.abs(late) < 0.1 + base / 1000):
             places = stamps.clock * base + frames
-            yield Reading(places, float(base), base, 1.0, (f"{note}: not counted",))
+            begin = float(places[0]) / base
+            yield Reading(places, float(base), base, 1.0, begin, (f"{note}: not counted",))
         for rate in (base, _BROADCAST.get(base, base)):
             late = part * (rate / 1000) - frames
             if np.all((late > -0.6) & (late < 1.1)) and np.corrcoef(part, frames)[0, 1] > 0.99:
-                yield Reading(1000.0 * stamps.clock + part, 1000.0, MILLISECONDS, 1.0, (note,))
+                places = 1000.0 * stamps.clock + part
+                yield Reading(places, 1000.0, MILLISECONDS, 1.0, float(places[0]) / 1000, (note,))
                 return
 
 
@@ -212,7 +217,8 @@ def _running_number(stamps: Stamps, plain: Reading) -> Iterator[Reading]:
     spans = [np.ptp(numbers - (stamps.clock * rate + stamps.last)) for rate in rates]
     rate = rates[int(np.argmin(spans))]
     note = "the digits after the frames number the frames of the film: not counted"
-    yield Reading(numbers, rate, base, 0.0, (note, *plain.notes))
+    begin = float(stamps.clock[0] + stamps.last[0] / rate)
+    yield Reading(numbers, rate, base, 0.0, begin, (note, *plain.notes))
 
 
 def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
@@ -246,7 +252,7 @@ def _numbered_at_broadcast_rate(stamps: Stamps, plain: Reading) -> Iterator[Read
         lost = (inside != 1).sum() + 1
         if (lost / len(plain_steps)) ** left_out < _CHANCE:
             note = f"frame numbers skip as at {rate:.2f} fps: no frame is lost there"
-            yield Reading(places, rate, plain.base, 0.0, (note,))
+            yield Reading(places, rate, plain.base, 0.0, float(places[0]) / rate, (note,))
 
 
 def _unevenness(places: Times) -> float:

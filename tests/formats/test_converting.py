@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support import recordings
+from support.dialects import drop_frame, milliseconds_of_the_second, running_number
 from support.takes import livelink_names, make_livelink_csv, make_plain_csv
 
 from faceedit_app.cli import main
@@ -212,3 +213,27 @@ def test_convert_writes_what_only_its_own_format_ends_in(tmp_path: Path, ending:
     assert main(["convert", str(take), str(out)]) == 0
     assert out.read_bytes() == take.read_bytes()
     assert main(["convert", str(take), str(tmp_path / f"sixty{ending}"), "--fps", "60"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("texts", "begins"),
+    [
+        ([running_number(n + 849, 30) for n in range(40)], "00:00:28:20.000"),
+        ([milliseconds_of_the_second(n + 850, 30) for n in range(40)], "00:00:28:20.000"),
+        ([drop_frame(n + 1000, ";") for n in range(2000)], "00:00:33:22.000"),
+        ([drop_frame(n + 1000, ":") for n in range(2000)], "00:00:33:22.000"),
+        ([f"{n * 1.001 / 24:.6f}" for n in range(40)], "00:00:00:00.000"),
+        ([f"{n * 1.001 / 60:.6f}" for n in range(40)], "00:00:00:00.000"),
+    ],
+)
+def test_a_timecode_begins_at_what_its_digits_mean(
+    tmp_path: Path, texts: list[str], begins: str
+) -> None:
+    name = "tc" if ":" in texts[0] else "time_s"
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    rows = "".join(f"{text},{k / 5000}\n" for k, text in enumerate(texts))
+    path.write_text(f"{name},jawOpen\n{rows}")
+    take = open_take(path)
+    convert(out, take, FORMATS["livelink"])
+    assert out.read_text().splitlines()[1].partition(",")[0] == begins
+    assert open_take(out).clip.rate == pytest.approx(take.clip.rate, abs=1e-3)
