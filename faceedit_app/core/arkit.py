@@ -62,6 +62,7 @@ ROTATIONS: tuple[str, ...] = tuple(
     part + axis for part in ("head", "leftEye", "rightEye") for axis in ("Yaw", "Pitch", "Roll")
 )
 
+ROTATION_INDEX: dict[str, int] = {name: i for i, name in enumerate(ROTATIONS)}
 ARKIT_INDEX: dict[str, int] = {name: i for i, name in enumerate(ARKIT_CHANNELS)}
 
 

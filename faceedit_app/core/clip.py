@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Floats, Times
 
 UNSURE = 0.8  # confidence below which the tracker may be wrong; below 0.5 it is a gap
@@ -37,7 +37,8 @@ class Clip:
         gaps: where frames are missing.
         timecodes: the T timecodes as the source writes them; empty if it has none.
         rotations: (T, 9) yaw, pitch and roll of the head, the left and the right eye, in radians,
-            if the source has them; edits leave them.
+            if the source has any of them; edits of curves leave them.
+        rotation_names: which of these it has, in the order of `arkit.ROTATIONS`; the others are 0.
         confidence: (T,) how sure the tracker was of each frame, 0..1, if the source says so; 0 if
             it was filled.
     """
@@ -50,6 +51,7 @@ class Clip:
     timecodes: tuple[str, ...] | None = None
     rotations: Floats | None = None
     confidence: Floats | None = None
+    rotation_names: tuple[str, ...] = ROTATIONS
 
     def __len__(self) -> int:
         return len(self.weights)

@@ -21,9 +21,9 @@ from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import converted, resampled, with_filled
-from faceedit_app.formats.csv_take import ROTATIONS
 from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.opening import open_take
+from faceedit_app.formats.rotations import rotation_named
 from faceedit_app.formats.take import Source, Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.container import check
@@ -32,7 +32,7 @@ _LIKE_THE_TAKE = (
     "The file is laid out like the take, for programs that open the take. For others, choose a "
     "format by its name."
 )
-_HEAD = tuple(name for name in ROTATIONS if name.startswith("head"))
+_HEAD = "head"  # rotations of the head begin so
 
 
 @dataclass(frozen=True)
@@ -253,7 +253,7 @@ def export_take(
         content, clip, note = done.content, done.clip, done.note
         lost = () if done.is_own else take.carried
         if (kind.keeps_rotations or done.is_styled) and clip.rotations is not None:
-            lost = tuple(name for name in lost if name.lower() not in ROTATIONS)
+            lost = tuple(name for name in lost if rotation_named(name) is None)
         if kind.keeps_confidence and clip.confidence is not None:
             lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
     else:
@@ -267,7 +267,9 @@ def export_take(
             options.follows_head,
         )
         turns = options.follows_head and clip.rotations is not None
-        lost = tuple(name for name in take.carried if name.lower() not in _HEAD)
+        lost = tuple(
+            name for name in take.carried if not (rotation_named(name) or "").startswith(_HEAD)
+        )
         straight = clip.rotations is not None and not turns and bool(np.any(clip.rotations[:, :3]))
     check(stopped)
     backup = make_way(path, take.path, options.overwrite)

@@ -133,6 +133,7 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
         gaps=find_gaps(times, clip.rate),
         timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
         rotations=None if clip.rotations is None else joined(clip.rotations),
+        rotation_names=clip.rotation_names,
         confidence=None if sure is None else joined(sure, np.zeros(len(places), np.float32)),
     )
 
@@ -172,6 +173,7 @@ def resampled(clip: Clip, rate: float | None = None, fill_gaps: bool = False) ->
         gaps=find_gaps(times, rate),
         timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
         rotations=None if turns is None else floats[:, channels : channels + turns.shape[1]],
+        rotation_names=clip.rotation_names,
         confidence=None if clip.confidence is None else np.clip(floats[:, -1], 0.0, 1.0),
     )
 

@@ -7,12 +7,13 @@ without a tracked face) survives by construction.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
 
+from faceedit_app.core.arkit import ROTATION_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import Table
@@ -79,7 +80,7 @@ class CsvSource:
         lines: (T) indices of the lines with the clip's frames.
         columns: (K) the columns of its channels.
         scale: the value of a full blendshape in the file.
-        turns: (9) the columns of the rotations; empty if there are none.
+        turns: the columns of the rotations that it has, by their names.
         lost: (L) the lines without a face that lie between frames.
         flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
@@ -93,7 +94,7 @@ class CsvSource:
     lines: Sequence[int]
     columns: Sequence[int]
     scale: float = 1.0
-    turns: Sequence[int] = ()
+    turns: Mapping[str, int] = field(default_factory=dict)
     lost: Sequence[int] = ()
     flag: int | None = None
     confidence: int | None = None
@@ -110,7 +111,8 @@ class CsvSource:
 
     def rotated(self, tracked: Floats, edited: Floats) -> CsvSource:
         """The source with other rotations; see `take.RotatingSource.rotated`."""
-        lines = tuple(self._lines(self.turns, 1.0, tracked, edited))
+        which, columns = [ROTATION_INDEX[name] for name in self.turns], list(self.turns.values())
+        lines = tuple(self._lines(columns, 1.0, tracked[:, which], edited[:, which]))
         return replace(self, table=replace(self.table, lines=lines))
 
     def as_sure(self, tracked: Floats, edited: Floats) -> CsvSource:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from faceedit_app.core.arkit import ROTATION_INDEX
 from faceedit_app.core.arrays import Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.csv_source import CsvSource
@@ -99,13 +100,20 @@ def _weights(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_Col
 
 
 def _rotations(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_Column]:
-    if clip.rotations is None or not source.turns:
+    """The rotations of the clip; those that the file has no columns for stand after all others."""
+    if clip.rotations is None:
         return []
-    write = source.writer(source.turns, 1.0)
-    return [
-        _Column(place, names[place], [write(number) for number in row])
-        for place, row in zip(source.turns, clip.rotations.T.tolist(), strict=True)
-    ]
+    own, columns = source.turns, []
+    write = source.writer(list(own.values()), 1.0) if own else None
+    for name in clip.rotation_names:
+        numbers = clip.rotations[:, ROTATION_INDEX[name]].tolist()
+        if write is not None and name in own:
+            place, cells = own[name], [write(number) for number in numbers]
+            columns.append(_Column(place, names[place], cells))
+        else:
+            cells = [f"{n:.6f}".encode().replace(b".", source.table.decimal) for n in numbers]
+            columns.append(_Column(len(names), name.encode(), cells))
+    return columns
 
 
 def _times(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> tuple[_Column, str]:

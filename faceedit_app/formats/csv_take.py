@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core.arkit import ROTATION_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
@@ -35,6 +36,7 @@ from faceedit_app.formats.lost_faces import (
     letters,
 )
 from faceedit_app.formats.rates import nominal_rate
+from faceedit_app.formats.rotations import all_rotations, found_rotations
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
@@ -46,10 +48,6 @@ _TICKS = (1e3, 1e6, 1e7, 1e9)  # of a second, in units that files use
 _ROUNDED = 0.02  # relative error of a few of them
 _FEWEST_TIMES = 8  # that run forward in a column whose name does not say that it has times
 _PERCENT = re.compile(r"[\[(]?(?:%|percent|pct|0\s*(?:-|\.\.|to)\s*100)[\])]?", re.IGNORECASE)
-# Live Link Face's rotations, which an export at another rate must not lose.
-ROTATIONS = tuple(
-    part + axis for part in ("head", "lefteye", "righteye") for axis in ("yaw", "pitch", "roll")
-)
 _NAMES = {
     "timecode": "CSV with timecodes",
     "clock": "CSV with times",
@@ -80,9 +78,16 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
 
 
 def write(clip: Clip) -> bytes:
-    """A clip as a plain CSV: seconds in `time_s`, its channels under ARKit's names; confidence."""
-    lines = [",".join(["time_s", *clip.channels])]
-    for time, row in zip(clip.times.tolist(), clip.weights.tolist(), strict=True):
+    """A clip as a plain CSV: seconds in `time_s`, its channels under ARKit's names.
+
+    Rotations, in radians, and confidence follow if it has them.
+    """
+    names, values = clip.channels, clip.weights
+    if clip.rotations is not None:
+        turns = clip.rotations[:, [ROTATION_INDEX[name] for name in clip.rotation_names]]
+        names, values = (*names, *clip.rotation_names), np.concatenate([values, turns], axis=1)
+    lines = [",".join(["time_s", *names])]
+    for time, row in zip(clip.times.tolist(), values.tolist(), strict=True):
         lines.append(",".join([f"{time:.6f}", *(f"{value:.6f}" for value in row)]))
     if clip.confidence is not None:
         sure = [CONFIDENCE, *confidence_cells(clip.confidence)]
@@ -102,7 +107,7 @@ class _Places:
     Attributes:
         clocks: columns of times.
         first: the first column, if its name says nothing.
-        turns: those of `ROTATIONS`, in that order.
+        turns: those of rotations, by `arkit.ROTATIONS`' names, in that order.
         flag: what says whether a row has a face.
         said: `flag`, if it is the number of blendshapes.
         confidence: how sure the tracker was.
@@ -111,7 +116,7 @@ class _Places:
 
     clocks: list[int]
     first: int | None
-    turns: list[int]
+    turns: dict[str, int]
     flag: int | None
     said: int | None
     confidence: int | None
@@ -123,14 +128,14 @@ class _Places:
         lower = [column.lower() for column in table.names]
         bare = [letters(name) for name in lower]
         flag = flag_column(table.names)
-        turns = [lower.index(name) for name in ROTATIONS if name in lower]
+        turns = found_rotations(table.names)
         clocks = [k for k in time_columns(table.names) if k not in channels.indices]
         rate = rate_column(table.names)
-        known = {*channels.indices, *clocks, *turns, flag, rate}
+        known = {*channels.indices, *clocks, *turns.values(), flag, rate}
         return cls(
             clocks=clocks,
             first=0 if 0 not in known else None,
-            turns=turns if len(turns) == len(ROTATIONS) else [],
+            turns=turns,
             flag=flag,
             said=flag if flag is not None and is_count(table.names[flag]) else None,
             confidence=bare.index(CONFIDENCE) if CONFIDENCE in bare else None,
@@ -141,7 +146,7 @@ class _Places:
     def texts(self) -> list[int]:
         """The columns that are read as texts, in the order in which they are read."""
         last = (self.first, self.rate, self.confidence, self.flag)
-        return [*self.clocks, *self.turns, *(place for place in last if place is not None)]
+        return [*self.clocks, *self.turns.values(), *(place for place in last if place is not None)]
 
     def cells(self, rows: Rows, column: int) -> list[str]:
         """The texts of the frames in one of these columns."""
@@ -198,6 +203,7 @@ def csv_take(
             *_count_notes(table, places, rows),
         ),
         rotations=_rotations(places, rows),
+        rotation_names=tuple(places.turns),
         confidence=_confidence(places, rows),
         scale=scale,
     )
@@ -206,7 +212,7 @@ def csv_take(
         table,
         tuple(rows.lines),
         columns.indices,
-        turns=tuple(places.turns),
+        turns=places.turns,
         lost=rows.lost_lines,
         flag=places.flag,
         confidence=places.confidence,
@@ -314,13 +320,12 @@ def _ticks(places: _Places, rows: Rows, times: RowTimes) -> tuple[int, float] | 
 
 
 def _rotations(places: _Places, rows: Rows) -> Floats | None:
-    """(T, 9) of `ROTATIONS`; None if there are none, or a cell is not a number."""
+    """(T, 9) as in `Clip.rotations`; None if there are none, or a cell is not a number."""
     try:
-        cells = [places.cells(rows, column) for column in places.turns]
-        found = np.array(cells, np.float64).T.astype(np.float32)
+        cells = [places.cells(rows, column) for column in places.turns.values()]
+        return all_rotations(np.array(cells, np.float64).T, tuple(places.turns))
     except ValueError:
         return None
-    return found if cells and np.isfinite(found).all() else None
 
 
 def _confidence(places: _Places, rows: Rows) -> Floats | None:

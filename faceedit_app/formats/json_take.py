@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arkit import ROTATION_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
 from faceedit_app.formats.json_text import JsonSource, JsonText, Place, Places, as_list
 from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
+from faceedit_app.formats.rotations import all_rotations, found_rotations
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import number_times, text_times
 from faceedit_app.formats.timecode import BadTimecode
@@ -84,6 +86,9 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     kept = np.flatnonzero(~lost)
     places = np.ascontiguousarray(places[np.ix_(kept, filled)])
     sure_places = _sure_places(text, frames, kept)
+    turned = found_rotations(frames.names)
+    turn_places = _places(text, frames, list(turned.values()))[kept]
+    rotations = all_rotations(text.look_up(turn_places), tuple(turned))
     used = {columns[channel] for channel in channels}
     recording = Recording(
         path=text.path,
@@ -101,9 +106,17 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
             *(() if sure_places is None else (CONFIDENCE,)),
         ),
         notes=frames.notes,
+        rotations=rotations,
+        rotation_names=tuple(turned),
         confidence=None if sure_places is None else confidence_of(text.look_up(sure_places)),
     )
-    source = partial(JsonSource, text, places, sure_places=sure_places)
+    source = partial(
+        JsonSource,
+        text,
+        places,
+        sure_places=sure_places,
+        turn_places=None if rotations is None else _all_turns(turn_places, tuple(turned)),
+    )
     return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
 
 
@@ -141,6 +154,13 @@ def _sure_places(text: JsonText, frames: JsonFrames, kept: Indices) -> Places | 
         return None
     entries = [frames.sure[row] for row in kept.tolist()]
     return text.places(entries) if all(isinstance(one, Place) for one in entries) else None
+
+
+def _all_turns(places: Places, names: Sequence[str]) -> Places:
+    """(T, 9) the places of all rotations, of those (T, N) of some names; -1 for the others."""
+    out = np.full((len(places), len(ROTATIONS)), -1, np.int64)
+    out[:, [ROTATION_INDEX[name] for name in names]] = places
+    return out
 
 
 def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTimes:

@@ -200,6 +200,8 @@ class JsonSource:
         scale: the value of a full blendshape in the file.
         sure_places: (T,) the numbers of the tracker's confidence; None if there are none.
         sure: (T,) what is to be written there; NaN = what is there.
+        turn_places: (T, 9) the numbers of the rotations; -1 if one is missing; None if all are.
+        turns: (T, 9) radians to be written there; NaN = what is there.
     """
 
     text: JsonText
@@ -207,11 +209,13 @@ class JsonSource:
     scale: float = 1.0
     sure_places: Places | None = None
     sure: Floats | None = None
+    turn_places: Places | None = None
+    turns: Floats | None = None
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
         changed = (tracked != edited) & (self.places >= 0)
-        where, numbers = self._sure_numbers()
+        where, numbers = self._other_numbers()
         if changed.any():
             values = shortest(edited[changed]) * self.scale
             write = self._form.write
@@ -231,13 +235,22 @@ class JsonSource:
         new = np.where(edited == tracked, np.nan, np.maximum(edited, LEAST_SURE))
         return replace(self, sure=new.astype(np.float32))
 
-    def _sure_numbers(self) -> tuple[Places, list[bytes]]:
-        """The places where the confidence changes, and the numbers that it becomes."""
-        if self.sure is None or self.sure_places is None:
-            return np.zeros(0, np.int64), []
-        changed = np.isfinite(self.sure)
-        numbers = [f"{value:.3f}".encode() for value in self.sure[changed].tolist()]
-        return self.sure_places[changed], numbers
+    def rotated(self, tracked: Floats, edited: Floats) -> JsonSource:
+        """The source with other rotations; see `take.RotatingSource.rotated`."""
+        return replace(self, turns=np.where(edited == tracked, np.nan, edited).astype(np.float32))
+
+    def _other_numbers(self) -> tuple[Places, list[bytes]]:
+        """The places where confidence and rotations change, and the numbers that they become."""
+        where, numbers = np.zeros(0, np.int64), list[bytes]()
+        if self.sure is not None and self.sure_places is not None:
+            changed = np.isfinite(self.sure)
+            where = self.sure_places[changed]
+            numbers += [f"{value:.3f}".encode() for value in self.sure[changed].tolist()]
+        if self.turns is not None and self.turn_places is not None:
+            changed = np.isfinite(self.turns) & (self.turn_places >= 0)
+            where = np.concatenate([where, self.turn_places[changed]])
+            numbers += [f"{value:.6f}".encode() for value in self.turns[changed].tolist()]
+        return where, numbers
 
     def as_written(self, weights: Floats) -> Doubles:
         """See `take.RoundingSource.as_written`."""

@@ -96,7 +96,7 @@ FORMATS: tuple[Format, ...] = (
     Format("csv", "CSV with ARKit names", (".csv", ".tsv"), "text/csv",
            "NVIDIA Audio2Face, MediaPipe recorders, SAiD, spreadsheets",
            csv_take.sniff, csv_take.read, csv_take.write, csv_style.write_like,
-           is_plain=is_plain_csv, keeps_confidence=True, hints=(
+           is_plain=is_plain_csv, keeps_rotations=True, keeps_confidence=True, hints=(
                ("Blender, Maya", "the scripts in docs/formats.md put it on a mesh with its shapes"),
                ("Spreadsheets", "one row a frame: seconds, then a column for each channel"),
            )),

@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ROTATIONS
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.errors import FileError
@@ -143,7 +143,7 @@ class Recording:
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
         notes: the format's own notes.
-        rotations, confidence: as in `Clip`.
+        rotations, rotation_names, confidence: as in `Clip`.
         scale: the value of a full blendshape in the file, if the format says it.
     """
 
@@ -157,6 +157,7 @@ class Recording:
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     rotations: Floats | None = None
+    rotation_names: tuple[str, ...] = ROTATIONS
     confidence: Floats | None = None
     scale: float | None = None
 
@@ -202,6 +203,7 @@ def finish_take(
         gaps=gaps,
         timecodes=recording.timecodes,
         rotations=recording.rotations,
+        rotation_names=recording.rotation_names,
         confidence=recording.confidence,
     )
     notes = (

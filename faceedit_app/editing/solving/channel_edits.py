@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.levels import softly_limited
@@ -63,7 +63,7 @@ class Answered(Protocol):
 
 def channels_of(clip: Clip) -> frozenset[str]:
     """The channels of a clip that can be edited: weights, and rotations if it has them."""
-    turns = () if clip.rotations is None else ROTATIONS
+    turns = () if clip.rotations is None else clip.rotation_names
     return frozenset((*clip.channels, *turns))
 
 

@@ -26,6 +26,7 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.channel_edits import channels_of
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.channel_plot import ChannelPlot
 from faceedit_app.ui.curves.gestures import Span
@@ -148,9 +149,8 @@ class ChannelsPanel(QWidget):
         session = self._document.session
         if session is None:
             return ()
-        has = set(session.take.clip.channels)
-        turns = session.rotations is not None
-        return tuple(name for name in CHANNELS if (turns if is_rotation(name) else name in has))
+        has = channels_of(session.take.clip)
+        return tuple(name for name in CHANNELS if name in has)
 
     @property
     def chosen(self) -> tuple[str, ...]:
