@@ -14,8 +14,8 @@ from support.sessions import demo_take, session_by_rig
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
-from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.editing.edits.edit import Op
+from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
 from faceedit_app.editing.opening import open_session
 
@@ -28,9 +28,10 @@ def still_clip(seconds: float = 6.0, rate: float = 60.0) -> Clip:
     return Clip(weights, ARKIT_CHANNELS, times, rate)
 
 
-def find(clip: Clip) -> list[Problem]:
+def find(clip: Clip, *edits: Edit) -> list[Problem]:
     weights = clip.arkit_weights()
-    return problems_of(clip, weights, shipped_rig().controls(shipped_rig().from_arkit(weights)))
+    controls = shipped_rig().controls(shipped_rig().from_arkit(weights))
+    return problems_of(clip, weights, controls, edits=edits)
 
 
 def with_blink(clip: Clip, at: float, left: float, right: float, width: float = 0.06) -> Clip:
@@ -131,8 +132,9 @@ def test_shaking_curve_is_found_and_steadied() -> None:
 def test_lost_frames_are_reported_and_those_close_together_as_one() -> None:
     clip = replace(still_clip(), gaps=(Gap(100, 1), Gap(104, 2), Gap(200, 1)))
     first, second = find(clip)
-    assert (first.kind, first.message, first.fix) == (Kind.DROPPED, "3 frames are missing", ())
-    assert second.message == "1 frame is missing"
+    assert (first.kind, first.fix) == (Kind.DROPPED, ())
+    assert first.message == "3 frames are missing, and the file has no row for them"
+    assert second.message == "1 frame is missing, and the file has no row for it"
     assert first.start == pytest.approx(100 / 60, abs=1e-3)
 
 
@@ -144,6 +146,30 @@ def test_a_jump_over_lost_frames_is_filled() -> None:
     assert "Mouth opening" in problem.message
     assert "mouth_opening" in problem.controls
     assert problem.fix[0].op is Op.FILL
+
+
+@pytest.mark.parametrize("seconds", [0.1, 5.0], ids=["filled", "too long to fill"])
+def test_a_gap_that_was_fixed_is_not_fixed_again(seconds: float) -> None:
+    """Even if the jump remains: a second fix of the same range would do the same."""
+    clip = still_clip()
+    weights = clip.weights.copy()
+    weights[101:, ARKIT_INDEX["jawOpen"]] = 0.5
+    times = clip.times + np.where(np.arange(len(clip)) > 100, seconds, 0.0)
+    broken = replace(clip, weights=weights, times=times, gaps=(Gap(100, round(60 * seconds)),))
+    (problem,) = find(broken)
+    (edit,) = problem.fix
+    assert find(broken, replace(edit, enabled=False))[0].fix == (edit,)
+    assert not any(again.fix for again in find(broken, edit))
+    assert bool(find(broken, edit)) == (edit.op is not Op.FILL)
+
+
+def test_a_fill_answers_the_gaps_that_it_covers_and_no_others() -> None:
+    clip = replace(still_clip(), gaps=(Gap(100, 1), Gap(200, 1)))
+    fill = Edit(MAIN_CONTROLS, Op.FILL, 1.5, 2.0, 0.0)
+    (left,) = find(clip, fill)
+    assert left.start == pytest.approx(200 / 60, abs=1e-3)
+    assert len(find(clip, replace(fill, controls=("mouth_opening",)))) == 2
+    assert len(find(clip, replace(fill, end=100.5 / 60))) == 2
 
 
 def test_gap_at_the_very_end_is_reported() -> None:

@@ -115,7 +115,7 @@ def problems_of(
         spoken: each m, b and p, if the words are known.
         lost: the rows that a fill can give a face to, see `LostRows.positions`.
         confidence: (T,) of the tracker, if it is known.
-        edits: where they fill, it does not matter how sure the tracker was.
+        edits: where they fill, gaps are answered, and it does not matter how sure the tracker was.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     main = measured[:, [CONTROL_INDEX[control] for control in MAIN_CONTROLS]]
@@ -124,7 +124,7 @@ def problems_of(
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, main),
-        *_dropped(clip, main, lost),
+        *_dropped(clip, main, lost, edits),
         *_unsure(clip, confidence, edits),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
@@ -260,10 +260,13 @@ def _ripple(curves: Doubles) -> Doubles:
     return ripple
 
 
-def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Problem]:
+def _dropped(
+    clip: Clip, controls: Doubles, lost: Sequence[float], edits: Sequence[Edit]
+) -> list[Problem]:
     found = []
-    for first, last in _joined([gap.frame for gap in clip.gaps], clip):
-        missing = sum(gap.missing for gap in clip.gaps if first <= gap.frame <= last)
+    open_ = [gap for gap in clip.gaps if not _is_filled(clip, gap.frame, edits)]
+    for first, last in _joined([gap.frame for gap in open_], clip):
+        missing = sum(gap.missing for gap in open_ if first <= gap.frame <= last)
         end = round(float(clip.times[min(last + 1, len(clip) - 1)]), 4)
         start = round(float(clip.times[first]), 4)
         before, after = controls[first : last + 1], controls[first + 1 : last + 2]
@@ -271,15 +274,30 @@ def _dropped(clip: Clip, controls: Doubles, lost: Sequence[float]) -> list[Probl
         jumps = steps.max(axis=0, initial=0.0)
         worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
         moved = tuple(name for name, jump in zip(MAIN_CONTROLS, jumps, strict=True) if jump > JUMP)
-        helps = bool(moved) or any(first < position < last + 1 for position in lost)
-        fix = (_through(clip, moved or MAIN_CONTROLS, start, end),) if helps else ()
-        size = counted(missing, "frame"), _share(missing, MANY)
+        has_rows = any(first < position < last + 1 for position in lost)
+        fix = _through(clip, moved, start, end, has_rows, edits)
         frames = "1 frame is" if missing == 1 else f"{missing} frames are"
-        message = f"{frames} missing" + (
-            f"; a jump in: {describe_controls(moved)}" if moved else ""
-        )
+        message = f"{frames} missing"
+        if not has_rows:
+            message += f", and the file has no row for {'it' if missing == 1 else 'them'}"
+        if moved:
+            message += f"; a jump in: {describe_controls(moved)}"
+        size = counted(missing, "frame"), _share(missing, MANY)
         found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
     return found
+
+
+def _is_filled(clip: Clip, frame: int, edits: Sequence[Edit]) -> bool:
+    """Whether a fill of the whole face covers the gap after a frame."""
+    start, end = (round(float(clip.times[i]), 4) for i in (frame, min(frame + 1, len(clip) - 1)))
+    return any(
+        edit.op is Op.FILL
+        and edit.effect is not None
+        and set(edit.controls) >= set(MAIN_CONTROLS)
+        and edit.start <= start
+        and end <= edit.end
+        for edit in edits
+    )
 
 
 def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> list[Problem]:
@@ -318,15 +336,41 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
     return found
 
 
-def _through(clip: Clip, controls: tuple[str, ...], start: float, end: float) -> Edit:
-    """An edit that lets the motion run through a gap from `start` to `end` seconds.
+def _through(
+    clip: Clip,
+    moved: tuple[str, ...],
+    start: float,
+    end: float,
+    has_rows: bool,
+    edits: Sequence[Edit],
+) -> tuple[Edit, ...]:
+    """What lets the motion run through a gap from `start` to `end` seconds; () if nothing can.
 
-    The frames that are missing stay missing; those beside them change.
+    Rows of the file get a face; other missing frames stay missing, and those beside them change.
+
+    Args:
+        moved: the curves that jump.
+        has_rows: whether rows of the file lie in the gap.
+        edits: a smoothing that has been made does not help a second time.
     """
     first, last = max(start - BESIDE, 0.0), min(end + BESIDE, float(clip.times[-1]))
-    if last - first > LONGEST_FILL:
-        return Edit(controls, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump")
-    return Edit(MAIN_CONTROLS, Op.FILL, round(first, 4), round(last, 4), 0.0, name="Fill the gap")
+    if last - first <= LONGEST_FILL:
+        fill = (round(first, 4), round(last, 4), 0.0)
+        fills = bool(moved) or has_rows
+        return (Edit(MAIN_CONTROLS, Op.FILL, *fill, name="Fill the gap"),) if fills else ()
+    softened = {
+        control
+        for edit in edits
+        if edit.op is Op.SMOOTH
+        and edit.effect is not None
+        and edit.start <= start
+        and end <= edit.end
+        for control in edit.controls
+    }
+    rest = tuple(control for control in moved if control not in softened)
+    return (
+        (Edit(rest, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),) if rest else ()
+    )
 
 
 def _share(amount: float, most: float) -> float:
