@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QAbstractButton, QMenu, QPushButton, QToolButton
 from support.windows import (
     Bench,
     drag_curve,
@@ -177,3 +177,40 @@ def test_a_fix_at_the_first_frame_begins_at_the_first_frame(window: MainWindow) 
     window.timeline.go_to_time(0.0)
     trigger_enabled(window, "fix_close_lips")
     assert said[-1].startswith("Close lips: 0.00 to ")
+
+
+def clicked_twice(button: QAbstractButton) -> None:
+    """As Qt sends a double click."""
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    QTest.mouseDClick(button, Qt.MouseButton.LeftButton)
+    QTest.mouseRelease(button, Qt.MouseButton.LeftButton)
+
+
+@pytest.mark.parametrize("command", ["fix_blink", "fix_smile"])
+def test_a_double_click_on_a_fix_is_one_click(window: MainWindow, command: str) -> None:
+    window.timeline.go_to_time(4.8)
+    editor, action = editor_of(window), window.actions_[command]
+    (button,) = [b for b in editor.tool_bar.fix_buttons if b.defaultAction() is action]
+    clicked_twice(button)
+    assert len(session_of(window).edits) == 1
+    trigger_enabled(window, command, command)  # keys and menus may repeat it
+    assert len(session_of(window).edits) == 3
+
+
+def test_quick_clicks_on_undo_all_count(window: MainWindow) -> None:
+    session, undo = session_of(window), window.actions_["undo"]
+    window.timeline.go_to_time(4.8)
+    trigger_enabled(window, "fix_smile", "fix_smile")
+    buttons = editor_of(window).settings_bar.findChildren(QToolButton)
+    (button,) = [b for b in buttons if b.defaultAction() is undo]
+    clicked_twice(button)
+    assert session.edits == ()
+
+
+def test_a_double_click_on_a_button_of_the_channels_is_one_click(window: MainWindow) -> None:
+    trigger_enabled(window, "all_channels")
+    panel = editor_of(window).channels
+    assert panel is not None
+    (mute,) = [b for b in panel.findChildren(QPushButton) if b.text() == "Mute"]
+    clicked_twice(mute)
+    assert len(session_of(window).edits) == 1

@@ -109,7 +109,7 @@ class EditsPanel(QWidget):
         bar.addWidget(self.strength)
         bar.addWidget(self.percent)
         bar.addSpacing(GAP)
-        bar.addWidget(icon_button(self._actions["delete_edit"]))
+        bar.addWidget(icon_button(self._actions["delete_edit"], repeats=True))
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)

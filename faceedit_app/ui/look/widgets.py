@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMenu,
+    QPushButton,
     QSizePolicy,
     QToolButton,
     QWidget,
@@ -54,6 +55,14 @@ class Segment(QToolButton):
 
 class OneClick(QToolButton):
     """A button for which a double click is one click."""
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Ignore the second press."""
+        event.accept()
+
+
+class OnePush(QPushButton):
+    """As `OneClick`, with a text instead of an icon."""
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Ignore the second press."""
@@ -127,10 +136,15 @@ def segments(*choices: tuple[QAction, str]) -> QWidget:
 
 
 def icon_button(
-    action: QAction, name: str = "icon", text: str = "", kind: type[QToolButton] = QToolButton
+    action: QAction, name: str = "icon", text: str = "", *, repeats: bool = False
 ) -> QToolButton:
-    """An action as an icon. It has a shortcut, so it does not take the focus."""
-    button = kind()
+    """An action as an icon. It has a shortcut, so it does not take the focus.
+
+    Args:
+        repeats: the action is one to do many times, such as a step or Undo: quick clicks all count.
+            For others, a double click is one click.
+    """
+    button = QToolButton() if repeats else OneClick()
     if text:  # under a style sheet Qt leaves a pixel or two between icon and text
         action.setIconText(text if action.icon().isNull() else f"\N{FOUR-PER-EM SPACE}{text}")
     button.setObjectName(name)

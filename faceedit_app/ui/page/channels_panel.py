@@ -34,6 +34,7 @@ from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.theme import GAP, MARGIN
+from faceedit_app.ui.look.widgets import OnePush
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
@@ -95,7 +96,7 @@ class ChannelsPanel(QWidget):
         self.reload()
 
     def _button(self, text: str, tip: str, act: object) -> QPushButton:
-        button = QPushButton(text)
+        button = OnePush(text)
         button.setToolTip(f"{tip}, in the selected range or the whole take")
         button.clicked.connect(act)
         return button

@@ -322,7 +322,7 @@ class ProblemsHead(QWidget):
         row.setSpacing(0)
         row.addWidget(self.count, 1)
         for name in ("previous_problem", "next_problem"):
-            row.addWidget(icon_button(actions[name], "small"))
+            row.addWidget(icon_button(actions[name], "small", repeats=True))
         row.addWidget(icon_button(actions["fix_problem"], "small", "Fix"))
         bar.found.connect(self.sync)
         self.sync()

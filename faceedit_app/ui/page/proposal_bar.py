@@ -11,7 +11,7 @@ from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.help.problems import Problem
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import Elided, OneClick, icon_button
+from faceedit_app.ui.look.widgets import Elided, icon_button
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
@@ -46,13 +46,13 @@ class ProposalBar(QFrame):
         row.setSpacing(GAP // 2)
         row.addWidget(self.text, 1)
         self._steps = (
-            icon_button(actions["previous_variation"], "proposal_button"),
+            icon_button(actions["previous_variation"], "proposal_button", repeats=True),
             self.count,
-            icon_button(actions["next_variation"], "proposal_button"),
+            icon_button(actions["next_variation"], "proposal_button", repeats=True),
         )
         for step in self._steps:
             row.addWidget(step)
-        accept = icon_button(actions["accept_fix"], "accept", "Accept", kind=OneClick)
+        accept = icon_button(actions["accept_fix"], "accept", "Accept")
         row.addWidget(accept)
         row.addWidget(icon_button(actions["discard_fix"], "proposal_button", "Discard"))
         document.previewed.connect(self._other)

@@ -48,7 +48,8 @@ class Transport(QWidget):
     def _lay_out(self, actions: Actions) -> None:
         row = bar_row(self, "transport")
         for name in ("start", "back", "play", "forward", "end", "loop"):
-            row.addWidget(icon_button(actions[name], "play" if name == "play" else "icon"))
+            look = "play" if name == "play" else "icon"
+            row.addWidget(icon_button(actions[name], look, repeats=name in ("back", "forward")))
         row.addSpacing(GAP)
         row.addWidget(caption("Speed", self.speed))
         row.addWidget(self.speed)
@@ -59,8 +60,8 @@ class Transport(QWidget):
             row.addWidget(label)
             row.addSpacing(GAP)
         row.addStretch()
-        row.addWidget(icon_button(actions["zoom_out"]))
-        row.addWidget(icon_button(actions["zoom_in"]))
+        row.addWidget(icon_button(actions["zoom_out"], repeats=True))
+        row.addWidget(icon_button(actions["zoom_in"], repeats=True))
         row.addWidget(icon_button(actions["fit"]))
 
     def _speed_box(self) -> Choice:
