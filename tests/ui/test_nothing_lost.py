@@ -128,6 +128,26 @@ def test_a_project_is_not_applied_to_an_export_of_its_own(bench: Bench, crash: C
     assert window.document.session is None
 
 
+def test_a_project_whose_recording_was_overwritten_opens_without_anything_to_save(
+    bench: Bench,
+) -> None:
+    window = exported_over_then_edited(bench)
+    project = bench.answers["save_project"] = bench.folder / "scene.faceedit"
+    trigger(window, "save")
+    assert window.close()
+    window = bench.window()
+    window.commands.file.open_if_saved(project)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    assert window.document.path == bench.take.with_name("take.csv.bak")
+    assert "is the take without them" in window.banner.text.text()
+    assert not window.isWindowModified()
+    add_edit(window)
+    assert window.isWindowModified()
+    trigger(window, "undo")
+    assert not window.isWindowModified()
+    assert window.close(), "opening is no edit to ask about"
+
+
 def test_a_take_that_was_renamed_after_a_crash_is_found_by_its_content(
     bench: Bench, crash: Crash
 ) -> None:

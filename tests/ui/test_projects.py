@@ -95,6 +95,8 @@ def test_a_moved_take_is_found_and_reported(bench: Bench) -> None:
     window = open_again(bench, path)
     assert session_of(window).edits
     assert window.document.path == bench.folder / "renamed" / "take.csv"
+    assert not window.isWindowModified()
+    assert window.close(), "opening is no edit to ask about"
 
 
 def test_a_changed_take_is_asked_about(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

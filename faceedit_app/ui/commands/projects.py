@@ -89,7 +89,9 @@ def open_project(
         if take is None:
             workspace.opener.reading.emit("")
             return
-        _open_take(workspace, project, file, take, located.where is Whereabouts.FOUND)
+        # Where the take was found, it is found again: without a choice there is nothing to save.
+        was_found = located.where in (Whereabouts.FOUND, Whereabouts.MOVED)
+        _open_take(workspace, project, file, take, was_found)
         workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
@@ -123,14 +125,15 @@ def _open_take(
     project: Project,
     file: KnownFile,
     take: Path,
-    is_as_it_was: bool,
+    was_found: bool,
 ) -> None:
     """Open the take of a project that has been read.
 
     Args:
         file: the project's file.
         take: the file that its edits are applied to.
-        is_as_it_was: the take is where and as the project knows it: nothing needs to be saved.
+        was_found: the take is as the project knows it, and nobody had to choose it: opening the
+            project leaves nothing to save.
     """
 
     def prepare(session: EditSession) -> None:
@@ -139,7 +142,7 @@ def _open_take(
         session.begin_with(replace(project.state, media=media))
         if take == project.take:
             session.exported_over = project.exported_over
-        if is_as_it_was:
+        if was_found:
             session.mark_saved()
 
     def opened() -> None:
