@@ -214,3 +214,26 @@ def test_a_double_click_on_a_button_of_the_channels_is_one_click(window: MainWin
     (mute,) = [b for b in panel.findChildren(QPushButton) if b.text() == "Mute"]
     clicked_twice(mute)
     assert len(session_of(window).edits) == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [("export", "out.csv"), ("save", "out.faceedit"), ("save_edits", "out.json")],
+)
+def test_what_is_written_while_a_fix_is_previewed_says_that_it_is_not_in_it(
+    bench: Bench, window: MainWindow, command: str, name: str
+) -> None:
+    question = {"save": "save_project"}.get(command, command)
+    said = "; without the proposal, which was not accepted"
+    trigger_enabled(window, "next_problem", "fix_problem")
+    bench.answers[question] = None
+    trigger_enabled(window, command)
+    assert "The proposal was discarded" in window.status.currentMessage()
+    trigger_enabled(window, "fix_problem")
+    bench.answers[question] = bench.folder / name
+    trigger_enabled(window, command)
+    assert window.status.currentMessage().endswith(f"{name}{said}")
+    assert session_of(window).edits == ()
+    bench.answers[question] = bench.folder / name
+    trigger_enabled(window, command)
+    assert said not in window.status.currentMessage(), "nothing was proposed this time"

@@ -29,7 +29,7 @@ class Exports:
         """Export the take as it came; False if the user cancels or it fails."""
         from faceedit_app.editing.exporting import Options, by_ending
 
-        self._workspace.end_gestures()
+        left = self._workspace.end_before_writing()
         document = self._workspace.document
         assert document.path is not None
         place = self._place("_edited", document.path.suffix or ".csv")
@@ -40,19 +40,20 @@ class Exports:
         session = self._workspace.session
         form = by_ending(path, session.take) if session is not None else None
         if form is not None:  # take.glb was typed for a take that came as a CSV
-            self._write(path, form, Options(character=document.character, overwrite=overwrite))
+            options = Options(character=document.character, overwrite=overwrite)
+            self._write(path, form, options, left)
             return True
         try:
             document.export(path, overwrite)
         except FaceEditError as error:
             self._failed(error)
             return False
-        self._done(path)
+        self._done(path, left)
         return True
 
     def export_as(self) -> None:
         """Export the take in a format, at a rate and on a character that the user chooses."""
-        self._workspace.end_gestures()
+        left = self._workspace.end_before_writing()
         session = self._workspace.session
         if session is None:
             return
@@ -70,10 +71,10 @@ class Exports:
         if place is None:
             return
         path, overwrite = place
-        self._write(path, form, replace(options, overwrite=overwrite, character=shown))
+        self._write(path, form, replace(options, overwrite=overwrite, character=shown), left)
 
-    def _write(self, path: Path, form: OutFormat, options: Options) -> None:
-        """Write the take in the background, and say what to do with it."""
+    def _write(self, path: Path, form: OutFormat, options: Options, left: str) -> None:
+        """Write the take in the background, and say what to do with it and what was left out."""
         from faceedit_app.editing.exporting import export_take
 
         if self._writing.is_busy:
@@ -91,7 +92,7 @@ class Exports:
         def done(written: Exported) -> None:
             if document.session is session:
                 document.exported = path
-            self._done(path)
+            self._done(path, left)
             lines = [*written.remarks, *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)
 
@@ -143,6 +144,6 @@ class Exports:
         self._workspace.message.emit("")
         self._failed(error)
 
-    def _done(self, path: Path) -> None:
+    def _done(self, path: Path, left: str) -> None:
         self._workspace.preferences.set_folder("export", path.resolve().parent)
-        self._workspace.message.emit(f"Exported {path}")
+        self._workspace.message.emit(f"Exported {path}{left}")

@@ -135,26 +135,29 @@ class FileCommands:
 
     def save(self) -> bool:
         """Save the project; False if the user cancels or it fails."""
-        self._workspace.end_gestures()
         path = self._document.project
-        return self._save(path) if path is not None else self.save_as()
+        if path is None:
+            return self.save_as()
+        return self._save(path, self._workspace.end_before_writing())
 
     def save_as(self) -> bool:
         """Save the project under a name that the user chooses; False as for `save`."""
-        self._workspace.end_gestures()
+        return self._save_as(self._workspace.end_before_writing())
+
+    def _save_as(self, left: str) -> bool:
         suggestion = self._document.project or self._workspace.suggest(
             "project", "", PROJECT_SUFFIX
         )
         path = dialogs.ask_save_project(self._window, suggestion)
-        return path is not None and self._save(path)
+        return path is not None and self._save(path, left)
 
-    def _save(self, path: Path) -> bool:
+    def _save(self, path: Path, left: str) -> bool:
         from faceedit_app.ui.commands import projects
 
         if self._document.was_changed(path):
             match dialogs.ask_changed(self._window, path.name):
                 case dialogs.Changed.ELSEWHERE:
-                    return self.save_as()
+                    return self._save_as(left)
                 case dialogs.Changed.CANCEL:
                     return False
 
@@ -162,7 +165,7 @@ class FileCommands:
             projects.save(self._workspace, path)
             self._preferences.add_recent(path)
 
-        return self._write(save, path, "project", "Saved")
+        return self._write(save, path, "project", "Saved", left)
 
     def export(self) -> bool:
         """Export the take as it came; False if the user cancels or it fails."""
@@ -201,10 +204,11 @@ class FileCommands:
 
     def save_edits(self) -> bool:
         """Save the list of edits; False if the user cancels or it fails."""
-        self._workspace.end_gestures()
+        left = self._workspace.end_before_writing()
         suggestion = self._workspace.suggest("edits", "_edits", ".json")
         path = dialogs.ask_save_edits(self._window, suggestion)
-        return path is not None and self._write(self._document.save_edits, path, "edits", "Saved")
+        save = self._document.save_edits
+        return path is not None and self._write(save, path, "edits", "Saved", left)
 
     def ask_load_edits(self) -> None:
         """Add the edits in a file that the user chooses."""
@@ -216,14 +220,16 @@ class FileCommands:
         """Add the edits in a file."""
         self._write(self._document.load_edits, path, "edits", "Loaded")
 
-    def _write(self, work: Callable[[Path], None], path: Path, kind: str, done: str) -> bool:
+    def _write(
+        self, work: Callable[[Path], None], path: Path, kind: str, done: str, left: str = ""
+    ) -> bool:
         try:
             work(path)
         except FaceEditError as error:
             self._show_error(error)
             return False
         self._preferences.set_folder(kind, path.resolve().parent)
-        self._workspace.message.emit(f"{done} {path}")
+        self._workspace.message.emit(f"{done} {path}{left}")
         return True
 
     # --- close -------------------------------------------------------------------------------

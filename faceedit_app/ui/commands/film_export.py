@@ -36,7 +36,7 @@ class FilmExport:
 
     def export(self) -> None:
         """Ask how and where, and film the take."""
-        self._workspace.end_gestures()
+        left = self._workspace.end_before_writing()
         session, media = self._workspace.session, self._workspace.media
         if session is None or self.is_filming:
             return
@@ -52,9 +52,10 @@ class FilmExport:
         found = self._place("_face", form.ending)
         if found is not None:
             path, overwrite = found
-            self._film(path, replace(shot, overwrite=overwrite, mirrored=media.mirrored))
+            shot = replace(shot, overwrite=overwrite, mirrored=media.mirrored)
+            self._film(path, shot, left)
 
-    def _film(self, path: Path, shot: Shot) -> None:
+    def _film(self, path: Path, shot: Shot, left: str) -> None:
         from faceedit_app.editing.filming import film_take, shown_by
 
         session, page = self._workspace.session, self._workspace.page
@@ -72,16 +73,16 @@ class FilmExport:
             lambda advance, stopped: film_take(
                 take, weights, rig, placement, path, shot, advance, stopped, turns
             ),
-            self._done,
+            lambda filmed: self._done(filmed, left),
             self._report,
         )
 
-    def _done(self, filmed: Filmed | None) -> None:
+    def _done(self, filmed: Filmed | None, left: str) -> None:
         if filmed is None:
             self._workspace.message.emit("Film cancelled; nothing was written")
             return
         self._workspace.preferences.set_folder("export", filmed.path.resolve().parent)
-        self._workspace.message.emit(f"Exported {filmed.path} ({filmed.codecs})")
+        self._workspace.message.emit(f"Exported {filmed.path} ({filmed.codecs}){left}")
 
     def _report(self, error: Exception) -> None:
         self._workspace.message.emit("")

@@ -196,6 +196,19 @@ class Workspace(QObject):
         self.commit_gestures()
         self.document.cancel()  # the preview of a dialog that stays open
 
+    def end_before_writing(self) -> str:
+        """End gestures because a file is about to be written, and say so if one was a proposal.
+
+        Returns:
+            What to add to the message about the file; empty if there was no proposal.
+        """
+        proposes = self.page is not None and self.page.proposal.is_open
+        self.end_gestures()
+        if not proposes:
+            return ""
+        self.message.emit("The proposal was discarded; press Enter first to keep one")
+        return "; without the proposal, which was not accepted"
+
     def close(self) -> None:
         """Stop everything and free the graphics memory."""
         self.unfinished.stop()
