@@ -304,6 +304,33 @@ def test_the_face_follows_a_pen_and_a_brush(panel: CurvesPanel, qtbot: QtBot, to
     let_go(plot, stop)
 
 
+@pytest.mark.parametrize("way", [-1, 1])
+@pytest.mark.parametrize("tool", list(Tool))
+def test_a_drag_past_the_edge_of_a_plot_leaves_the_view_where_it_is(
+    panel: CurvesPanel, tool: Tool, way: int
+) -> None:
+    """Also where the nearest frame lies just beyond the edge."""
+    line = panel.timeline
+    line.show_range(1.009, 2.011)  # 50 frames a second
+    view, plot = line.view, panel.plots[0]
+    first, last = view
+    assert line.snap(first) < first
+    assert line.snap(last) > last
+    panel.tools.choose(tool)
+    start = place(plot, 1.5)
+    beyond = QPoint(place(plot, last if way > 0 else first).x() + 60 * way, start.y() - 12)
+    drag(plot, start, beyond, release=False, previews=True)
+    move_with(plot, beyond + QPoint(40 * way, 0))
+    let_go(plot, beyond + QPoint(40 * way, 0))
+    assert line.view == view
+    (edit,) = session_of(panel).edits
+    if edit.op is not Op.RETIME:
+        assert first - 1e-9 <= edit.start <= edit.end <= last + 1e-9
+    QTest.mouseClick(surface(plot), LEFT, NONE, place(plot, last) - QPoint(1, 0))
+    QTest.mouseClick(surface(panel.ruler), LEFT, NONE, place(panel.ruler, last, 5.0))
+    assert line.view == view
+
+
 def test_a_click_moves_the_playhead(panel: CurvesPanel) -> None:
     plot = panel.plots[3]
     QTest.mouseClick(surface(plot), LEFT, NONE, place(plot, 2.5))

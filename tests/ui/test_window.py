@@ -4,9 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QPoint
+from support import curves
+from support.curves import place
 from support.takes import make_livelink_csv
 from support.waiting import wait_for_timers
-from support.windows import Bench, add_edit, drag_curve, drop, open_path, trigger
+from support.windows import (
+    Bench,
+    add_edit,
+    drag_curve,
+    drop,
+    editor_of,
+    open_path,
+    session_of,
+    trigger,
+)
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Op
@@ -36,6 +48,19 @@ def test_a_drag_with_the_mouse_changes_the_exported_file(bench: Bench) -> None:
     assert after != before
     assert len(after.splitlines()) == len(before.splitlines())
     assert "Exported" in window.status.currentMessage()
+
+
+def test_a_drag_during_playback_stops_it_where_the_hand_pressed(bench: Bench) -> None:
+    window = bench.editing()
+    line, plot = window.timeline, editor_of(window).curves.plots[0]
+    window.playback.play()
+    at = place(plot, 1.5)
+    pressed = line.snap(plot.current_scale.time_at(plot.view.mapFromScene(plot.mapToScene(at)).x()))
+    curves.drag(plot, at, at - QPoint(0, 12), release=False)
+    assert not window.playback.playing
+    assert line.time == pressed
+    curves.let_go(plot, at - QPoint(0, 12))
+    assert session_of(window).edits[0].start == line.time == pressed
 
 
 def test_what_is_exported_opens_as_what_was_on_screen(bench: Bench) -> None:

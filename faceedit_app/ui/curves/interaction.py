@@ -52,12 +52,12 @@ class Interaction(QObject):
 
     Signals:
         changed(): the pointer or the drag moved; the session did not change.
-        began(): a drag began that makes a new edit.
+        began(new): a drag began; whether it makes a new edit.
         made(): it made one.
     """
 
     changed = Signal()
-    began = Signal()
+    began = Signal(bool)
     made = Signal()
 
     def __init__(
@@ -210,7 +210,7 @@ class Interaction(QObject):
         self._edges.cancel()
         if drag is not None and drag.moving and self.session is not None:
             self.session.cancel()
-            self._timeline.go_to_frame(self._came_from)
+            self._timeline.go_to_frame(self._came_from, turns_page=False)
         self.changed.emit()
 
     # --- the edit --------------------------------------------------------------------------
@@ -321,8 +321,7 @@ class Interaction(QObject):
 
     def _begins(self) -> None:
         """The press has become an edit."""
-        if self._change is None:
-            self.began.emit()
+        self.began.emit(self._change is None)
         self._show_edited_frame()
 
     def _change_by(self, press: Press) -> ChosenChange | None:
@@ -344,7 +343,7 @@ class Interaction(QObject):
         assert self.drag is not None
         self._came_from = self._timeline.frame
         self._shown = self.drag.time
-        self._timeline.go_to_time(self._shown)
+        self._timeline.point_at(self._shown)
 
     def _edit(self) -> Edit | None:
         assert self.drag is not None
@@ -366,7 +365,7 @@ class Interaction(QObject):
             self.drag = None
             if drag.is_click:
                 self._clicks = True
-                self._timeline.go_to_time(drag.time)
+                self._timeline.point_at(drag.time)
                 self._clicks = False
 
     def _commit(self) -> None:
@@ -394,6 +393,6 @@ class Interaction(QObject):
         if self.drag is not None and self.session is not None:
             if self.drag.time != self._shown:  # a pen or brush has moved on
                 self._shown = self.drag.time
-                self._timeline.go_to_time(self._shown)
+                self._timeline.point_at(self._shown)
             self._preview_edit(self._edit())
             self._last_preview = monotonic()

@@ -46,7 +46,7 @@ class CurvesPanel(QWidget):
     Signals:
         reshaped(): an edge of the selection is being dragged.
         reshape_ended(): it was released.
-        edit_began(): a drag began that makes a new edit.
+        edit_began(new): a drag began; whether it makes a new edit.
         edit_made(): it, or a key, made one.
         curve_menu_asked(place): a right click on a curve, which now has the focus.
         name_menu_asked(place): on its name.
@@ -55,7 +55,7 @@ class CurvesPanel(QWidget):
 
     reshaped = Signal()
     reshape_ended = Signal()
-    edit_began = Signal()
+    edit_began = Signal(bool)
     edit_made = Signal()
     curve_menu_asked = Signal(QPoint)
     name_menu_asked = Signal(QPoint)

@@ -116,7 +116,7 @@ class Ruler(pg.GraphicsView, Mouse):
         seconds = self._timeline.snap(self.current_scale.time_at(pointer.x))
         self._drag = RulerDrag(seconds, selecting=pointer.fine)
         if not pointer.fine:
-            self._timeline.go_to_time(seconds)
+            self._timeline.point_at(seconds)
 
     def dragged(self, pointer: Pointer) -> None:
         """Continue the gesture."""
@@ -128,7 +128,7 @@ class Ruler(pg.GraphicsView, Mouse):
         if self._drag.selecting:
             self._timeline.select(self._drag.selection(seconds))
         else:
-            self._timeline.go_to_time(seconds)
+            self._timeline.point_at(seconds)
 
     def released(self, pointer: Pointer) -> None:
         """End the gesture."""

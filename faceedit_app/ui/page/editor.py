@@ -122,7 +122,7 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
-        self.curves.edit_began.connect(self.edits.leave)
+        self.curves.edit_began.connect(self._drag_began)
         self.curves.edit_made.connect(self.edits.select_new)
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)
         self.face.handles.hand = self.curves.hand
@@ -268,10 +268,16 @@ class Editor(QWidget):
         self.settings_bar.settle()
         self.edits.settle()
 
+    def _drag_began(self, is_new: bool) -> None:
+        """Show the frame being changed from now on: playback would carry it away."""
+        self._playback.pause()
+        if is_new:
+            self.edits.leave()
+
     def _previewed(self) -> None:
         """Start on the face first: it is drawn while the curves are painted."""
         is_dragging = self.curves.is_dragging
-        if is_dragging:  # the face stays on the frame being changed
+        if is_dragging:  # also an edge of the selection
             self._playback.pause()
         self.face.refresh()
         if is_dragging:

@@ -73,21 +73,30 @@ class Timeline(QObject):
         self.frame = -1
         self.go_to_frame(0)
 
-    def go_to_frame(self, frame: int) -> None:
-        """Move the playhead to a frame; the view follows to keep it visible."""
+    def go_to_frame(self, frame: int, turns_page: bool = True) -> None:
+        """Move the playhead to a frame; the view follows to keep it visible if it `turns_page`."""
         if self._clip is None:
             return
         frame = min(max(frame, 0), self.frames - 1)
         if frame == self.frame:
             return
         self.frame = frame
-        self._keep_in_view(self.time)
+        if turns_page:
+            self._keep_in_view(self.time)
         self.playhead_moved.emit(frame)
 
-    def go_to_time(self, seconds: float) -> None:
-        """Move the playhead to the frame nearest to a time."""
+    def go_to_time(self, seconds: float, turns_page: bool = True) -> None:
+        """Move the playhead to the frame nearest to a time; see `go_to_frame`."""
         if self._clip is not None:
-            self.go_to_frame(self._clip.frame_at(seconds))
+            self.go_to_frame(self._clip.frame_at(seconds), turns_page)
+
+    def point_at(self, seconds: float) -> None:
+        """Move the playhead to the frame under the pointer.
+
+        The view stays: under a hand that holds something, it must not turn a page, not even for a
+        frame that lies just beyond its edge.
+        """
+        self.go_to_time(seconds, turns_page=False)
 
     def snap(self, seconds: float) -> float:
         """The time of the frame nearest to `seconds`."""
