@@ -5,9 +5,11 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QWidget
 from support.waiting import run_events
-from support.windows import Bench, editor_of, trigger
+from support.windows import Bench, drag_curve, editor_of, session_of, trigger
 
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.state.preferences import Preferences
 
 
@@ -61,3 +63,55 @@ def test_the_card_leaves_what_it_explains_free(bench: Bench, size: tuple[int, in
         assert hints.rect().contains(card)
         assert both.width() * both.height() <= 0.05 * hole.width() * hole.height(), hints.step
         hints.forward()
+
+
+def under(window: QWidget, target: QWidget) -> QWidget | None:
+    """What a press in the middle of a widget reaches."""
+    return window.childAt(target.mapTo(window, target.rect().center()))
+
+
+def button_of(bar: QWidget, text: str) -> QWidget:
+    """The button with a text."""
+    return next(b for b in bar.findChildren(QAbstractButton) if b.text().strip() == text)
+
+
+def test_what_a_card_explains_can_be_used_and_brings_the_next(bench: Bench) -> None:
+    window = bench.editing()
+    trigger(window, "first_steps")
+    page = editor_of(window)
+    hints, plot, blink = page.hints, page.curves.plots[0], button_of(page.tool_bar, "Blink")
+    window.grab()
+    assert under(window, plot) is plot.viewport()
+    assert under(window, blink) is hints
+    trigger(window, "deselect")
+    assert not hints.isVisible()
+    trigger(window, "first_steps")
+    drag_curve(window, 0, 1.5, 12)
+    assert len(session_of(window).edits) == 1
+    assert hints.title.text().startswith("2")
+    trigger(window, "undo")  # as the first card says
+    assert session_of(window).edits == ()
+    assert hints.title.text().startswith("2")
+    assert under(window, plot) is hints
+    assert under(window, blink) is blink
+    blink.click()
+    assert session_of(window).edits
+    assert hints.title.text().startswith("3")
+    drag_curve(window, 0, 1.5, 12)
+    assert hints.isVisible(), "the last card is to be read"
+
+
+def test_a_proposal_under_the_second_card_can_be_answered(bench: Bench) -> None:
+    window = bench.editing()
+    page, session = editor_of(window), session_of(window)
+    trigger(window, "first_steps")
+    page.hints.forward()
+    page.proposal.offer(
+        "A proposal", [Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, 3.0)], "Fix"
+    )
+    run_events()
+    accept = button_of(page.proposal, "Accept")
+    assert under(window, accept) is accept
+    accept.click()
+    assert len(session.edits) == 1
+    assert page.hints.title.text().startswith("3")

@@ -237,9 +237,11 @@ class EditCommands:
         line.select((max(first, 0.0), min(last, line.snap(line.duration))))
 
     def deselect(self) -> None:
-        """Cancel the gesture in progress, or clear the selection if there is none."""
+        """Cancel the gesture in progress, else close the first steps, else clear the selection."""
         if not self._workspace.cancel_gesture():
             page = self._workspace.page
+            if page is not None and page.hints.finish():
+                return
             if page is not None:
                 page.edits.leave()
                 page.curves.setFocus()

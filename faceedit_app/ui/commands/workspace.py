@@ -176,7 +176,7 @@ class Workspace(QObject):
     # --- gestures in progress ----------------------------------------------------------------
 
     def cancel_gesture(self) -> bool:
-        """Cancel the drag in progress, or close hints or a proposal; False if there is none."""
+        """Cancel the drag in progress, or discard a proposal; False if there is none."""
         if self.page is None:
             return False
         if self.page.curves.is_dragging:

@@ -86,6 +86,7 @@ class Editor(QWidget):
         self.solving = BackgroundSolving(document, timeline, self)
         self._lay_out()
         self.hints = HintLayer(self, self._first_steps())
+        self._edits = 0
         self._connect(actions)
 
     def _lay_out(self) -> None:
@@ -118,6 +119,7 @@ class Editor(QWidget):
     def _connect(self, actions: Actions) -> None:
         document = self._document
         document.changed.connect(self.curves.refresh)
+        document.changed.connect(self._count_edits)
         document.previewed.connect(self._previewed)
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
@@ -197,7 +199,7 @@ class Editor(QWidget):
                 "Close lips, Blink and Smile take one click. Marks under the curves show problems:"
                 " lips that stay open, half blinks, shaking. Press ↓ to go to the next one and P"
                 " to preview a fix.",
-                (self.tool_bar,),
+                (self.tool_bar, self.proposal),
             ),
             Step(
                 "3  Change your mind, then export",
@@ -213,10 +215,11 @@ class Editor(QWidget):
         session = self._document.session
         assert session is not None
         clip = session.take.clip
+        self.hints.finish()
         self._timeline.open(clip)
         if session.take.path != self._take:  # not the same one at another frame rate
             self._restore_settings()
-        self._take = session.take.path
+        self._take, self._edits = session.take.path, len(session.edits)
         self.curves.set_session(session)
         self.transport.set_clip(clip)
         self.problems.restart()
@@ -233,18 +236,13 @@ class Editor(QWidget):
         self.transport.restore_speed()
 
     def cancel_gesture(self) -> bool:
-        """Esc: close hints, cancel a drag, discard a proposal; False if there is none."""
+        """Esc: cancel a drag, discard a proposal; False if there is none."""
         if self.words.strip.is_held:
             self.words.strip.cancel()
             return True
         if self.channels is not None and self.channels.cancel_gesture():
             return True
-        return (
-            self.hints.finish()
-            or self.settings_bar.cancel()
-            or self.edits.cancel()
-            or self.proposal.discard()
-        )
+        return self.settings_bar.cancel() or self.edits.cancel() or self.proposal.discard()
 
     def _set_quality(self, plays: bool) -> None:
         """In playback, a picture has the time between two frames; in a drag, hardly any."""
@@ -293,6 +291,13 @@ class Editor(QWidget):
         """A wide edit has been computed in full."""
         self._advanced()
         self.settings_bar.sync()
+
+    def _count_edits(self) -> None:
+        """An edit made under the first steps is what they ask for."""
+        session = self._document.session
+        before, self._edits = self._edits, len(session.edits) if session is not None else 0
+        if self._edits > before:
+            self.hints.use()
 
     def _reshape(self) -> None:
         """Apply the dragged edges of the selection to the selected edit."""

@@ -6,7 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtGui import (
+    QColor,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPen,
+    QRegion,
+)
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from faceedit_app.ui.look.guard import guarded
@@ -16,6 +25,7 @@ from faceedit_app.ui.look.theme import GAP
 _SHADE = 150  # of 255: how dark the rest of the window becomes
 _WIDTH = 380
 _APART = 14  # pixels between the card and its target
+_CHANGES = QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Show, QEvent.Type.Hide
 
 
 @dataclass(frozen=True)
@@ -24,7 +34,8 @@ class Step:
 
     Attributes:
         title, text: its heading and body.
-        targets: the widgets that it explains.
+        targets: the widgets that it explains, which can be used meanwhile; hidden ones do not
+            count.
     """
 
     title: str
@@ -74,7 +85,8 @@ class HintLayer(QWidget):
         column.addWidget(self.text)
         column.addSpacing(GAP // 2)
         column.addLayout(row)
-        parent.installEventFilter(self)
+        for watched in {parent, *(target for step in self._steps for target in step.targets)}:
+            watched.installEventFilter(self)
         self.hide()
 
     def begin(self) -> None:
@@ -101,6 +113,12 @@ class HintLayer(QWidget):
         else:
             self.finish()
 
+    def use(self) -> None:
+        """What a step explains has been used: go to the next one, but leave the last to be read."""
+        if self.isVisible() and self.step + 1 < len(self._steps):
+            self.forward()
+            self.next_button.setFocus()  # for those who go on by keyboard
+
     def finish(self) -> bool:
         """Close; False if it is not shown."""
         if self.isHidden():
@@ -119,14 +137,19 @@ class HintLayer(QWidget):
         self.next_button.setText("Start editing" if is_last else "Next")
         self.skip_button.setVisible(not is_last)
         self.card.adjustSize()
-        self.card.move(self._place(self._hole()))
+        hole = self._hole()
+        self.card.move(self._place(hole))
+        # Without this the layer would take the mouse from what the card tells people to use.
+        self.setMask(QRegion(self.rect()) - QRegion(hole) + QRegion(self.card.geometry()))
         self.update()
 
     def _hole(self) -> QRect:
         """The part of the window that the step explains."""
         hole = QRect()
         for target in self._steps[self.step].targets:
-            hole = hole.united(QRect(target.mapTo(self._parent, QPoint(0, 0)), target.size()))
+            if target.isVisible():
+                place = target.mapTo(self._parent, QPoint(0, 0))
+                hole = hole.united(QRect(place, target.size()))
         return hole.intersected(self.rect())
 
     def _place(self, hole: QRect) -> QPoint:
@@ -154,14 +177,14 @@ class HintLayer(QWidget):
     # --- events ------------------------------------------------------------------------------
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Keep the size of the window."""
-        if event.type() == QEvent.Type.Resize and self.isVisible():
+        """Keep the size of the window, and the hole where the targets are."""
+        if event.type() in _CHANGES and self.isVisible():
             self.setGeometry(self._parent.rect())
             self._show_step()
         return False
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """A click anywhere goes to the next step."""
+        """A click beside what is explained goes to the next step."""
         self.forward()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
