@@ -70,7 +70,7 @@ def under(window: QWidget, target: QWidget) -> QWidget | None:
     return window.childAt(target.mapTo(window, target.rect().center()))
 
 
-def button_of(bar: QWidget, text: str) -> QWidget:
+def button_of(bar: QWidget, text: str) -> QAbstractButton:
     """The button with a text."""
     return next(b for b in bar.findChildren(QAbstractButton) if b.text().strip() == text)
 
