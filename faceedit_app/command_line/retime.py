@@ -95,6 +95,7 @@ def retime(
         media,
         has_film=not no_film,
         overwrite=overwrite,
+        filled=session.filled_rows(),
     )
     if said is not None:
         offset = 0.0 if media.sound is None else media.sound.offset

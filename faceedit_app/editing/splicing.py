@@ -15,12 +15,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import keep_backup, keep_inputs, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.splice import Splice, Spliced, splice
 from faceedit_app.editing.exporting import Options, OutFormat, choose, export_take, own_format
+from faceedit_app.formats.converting import with_filled
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
@@ -84,6 +86,7 @@ def write_spliced(
     has_film: bool = True,
     progress: Callable[[float], bool] = lambda share: True,
     overwrite: bool = False,
+    filled: Floats | None = None,
 ) -> Written:
     """Write a new take, its sound as a WAV, and its film as an MP4 or WebM.
 
@@ -97,13 +100,14 @@ def write_spliced(
         progress: is given 0..1 while the film is written; False gives up, and nothing is written.
         overwrite: replace files that exist, but none of the take; of a recording, a sound or a
             film a copy is kept.
+        filled: the weights that fills gave to the take's lost rows, (L, K).
 
     Raises:
         FaceEditError: a splice is impossible.
         FileError: a file cannot be read or written, or exists.
         Abandoned: `progress` said so.
     """
-    made = splice(shown, splices)
+    made = splice(with_filled(shown, take.lost_rows, filled), splices)
     form, remarks = _form_for(take, path)
     film = media.film if has_film else None
     sound = None if media.sound is None else read_sound(media.sound.path)

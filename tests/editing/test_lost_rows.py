@@ -14,10 +14,13 @@ from support.takes import make_livelink_csv
 from faceedit_app.characters.closure import Gaps
 from faceedit_app.core.controls import CONTROL_IDS, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.splice import Splice
 from faceedit_app.editing.exporting import choose, export_session
 from faceedit_app.editing.filming import shown_by
 from faceedit_app.editing.help.fill import filled_message
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.splicing import write_spliced
 from faceedit_app.formats.opening import open_take
 
 LOST = range(120, 150)
@@ -60,6 +63,18 @@ def test_rows_that_got_a_face_are_in_every_format(path: Path, key: str | None) -
     assert len(clip) == len(there)
     np.testing.assert_allclose(clip.times, there.times, atol=1e-3)
     np.testing.assert_allclose(clip.arkit_weights(), there.arkit_weights(), atol=1e-5)
+
+
+def test_rows_that_got_a_face_keep_it_in_a_shorter_take(path: Path) -> None:
+    session = session_by_rig(path)
+    session.add(FILL)
+    there = open_take(exported(session)).clip
+    out, filled = path.with_name("out.csv"), session.filled_rows()
+    cut = [Splice(0.5, 1.0)]
+    write_spliced(session.take, session.edited_clip(), cut, out, Placement(), filled=filled)
+    clip = open_take(out).clip
+    assert len(clip) == len(there) - 30
+    np.testing.assert_allclose(clip.weights[40:], there.weights[70:], atol=1e-6)
 
 
 def test_every_other_row_keeps_its_bytes(path: Path) -> None:

@@ -100,14 +100,16 @@ class SpliceCommands:
             return
         self._workspace.document.work_off()
         take, shown, words = session.take, session.edited_clip(), session.words
-        placement = self._workspace.media.placement
+        placement, filled = self._workspace.media.placement, session.filled_rows()
 
         def write(advance: Advance, stopped: Stopped) -> Written:
             def progress(share: float) -> bool:
                 advance(round(_PARTS * share), _PARTS)
                 return not stopped()
 
-            return write_spliced(take, shown, [wanted], path, placement, has_film, progress)
+            return write_spliced(
+                take, shown, [wanted], path, placement, has_film, progress, filled=filled
+            )
 
         self._writing.start(
             path.name,
