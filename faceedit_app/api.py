@@ -13,7 +13,6 @@ docs/python.md has more. What a user can correct raises `FaceEditError`, whose t
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -21,13 +20,21 @@ import numpy as np
 
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.core.arrays import Floats, Times
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.given import file_name, number, number_or_none
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing import exporting, filming
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
-from faceedit_app.editing.help.by_name import check_inside, control_by_name, edit_by_name
+from faceedit_app.editing.files.originals import Kept
+from faceedit_app.editing.help.by_name import (
+    check_inside,
+    control_by_name,
+    edit_by_name,
+    with_strength,
+)
 from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
@@ -35,6 +42,7 @@ from faceedit_app.editing.help.problems import Kind, Problem, find_problems
 from faceedit_app.editing.help.retime import by_pins
 from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.opening import checked_rate
 from faceedit_app.networks.engine import Engine
 
 FIXES = {"lips": Kind.LIPS, "blinks": Kind.BLINK, "shaking": Kind.JITTER, "gaps": Kind.DROPPED}
@@ -52,8 +60,12 @@ def open(path: Path | str, fps: float | None = None, models: Path | None = None)
     Raises:
         FaceEditError: it cannot be read, or the model cannot.
     """
-    rig, engine = _loaded(models)
-    return Take(open_session(path, rig, engine, fps))
+    path, fps = file_name(path), number_or_none("fps", fps)
+    rig, engine = _loaded(None if models is None else file_name(models))
+    try:
+        return Take(open_session(path, rig, engine, fps))
+    except FileError as error:
+        raise error.with_remedy(error.remedy.replace("--fps ", "fps=")) from None
 
 
 @lru_cache(maxsize=4)
@@ -72,6 +84,7 @@ class Take:
     def __init__(self, session: EditSession) -> None:
         self.session = session
         self._character: FittedCharacter | None = None
+        self._read: list[Path] = []  # presets and lists of edits
 
     # --- what it holds -----------------------------------------------------------------------
 
@@ -140,7 +153,7 @@ class Take:
         Raises:
             FaceEditError: it cannot be read, or is not a face.
         """
-        self._character = None if path is None else open_character(path)
+        self._character = None if path is None else open_character(file_name(path))
         self.session.use_character(None if self._character is None else self._character.rig)
         return self
 
@@ -192,9 +205,9 @@ class Take:
         """Show moments of the take at other times; sound, film and all that follows keep theirs.
 
         Args:
-            pins: (was, is) seconds, in order of time, such as `[(1.2, 1.2), (1.85, 2.05)]`.
-            start, end: seconds between which the take makes up for it; None = as far beyond the
-                pins as it takes.
+            pins: (was, is) seconds, in order of time, such as `[(1.2, 1.2), (1.85, 2.05)]`. The
+                same moment at two times, `[(1, 1), (1, 1.5)]`, is a pause.
+            start, end: seconds between which the take makes up for it; None = as far as it takes.
 
         Returns:
             The take, so that calls can follow each other.
@@ -213,9 +226,13 @@ class Take:
 
         Returns:
             The take, so that calls can follow each other.
+
+        Raises:
+            FaceEditError: the time is outside the take.
         """
+        at, clip = number("at", at), self.session.take.clip
+        check_inside(clip, at, at)
         self.session.live.work()
-        clip = self.session.take.clip
         edit = neutral_at(self.session, clip.frame_at(at), 0.0, clip.duration)
         if edit is not None:
             self.session.add(edit)
@@ -261,11 +278,11 @@ class Take:
             FaceEditError: there is no such preset, it is damaged, or the times are outside the
                 take.
         """
-        preset = find_preset(name)
-        span = None
+        preset = find_preset(name if isinstance(name, str) else file_name(name))
+        start, end = number_or_none("start", start), number_or_none("end", end)
+        span, strength = None, number("strength", strength)
         if start is not None or end is not None:
-            last = float(self.times[-1])
-            span = (start if start is not None else 0.0, end if end is not None else last)
+            span = (start or 0.0, float(self.times[-1]) if end is None else end)
             check_inside(self.session.take.clip, *span)
         elif preset.alone is not Alone.TAKE:
             raise FaceEditError(
@@ -273,7 +290,8 @@ class Take:
             )
         self.session.live.work()
         edits = apply_preset(self.session, preset, span, 0.0)
-        self.session.add(*(_with_strength(edit, strength) for edit in edits))
+        self.session.add(*(with_strength(edit, strength) for edit in edits))
+        self._read += [Path(name)] if str(name).endswith(".json") else []
         return self
 
     def load_edits(self, path: Path | str) -> Take:
@@ -282,7 +300,8 @@ class Take:
         Raises:
             FaceEditError: it cannot be read.
         """
-        self.session.load_edits(path)
+        self.session.load_edits(file_name(path))
+        self._read.append(Path(path))
         return self
 
     def settings(
@@ -327,10 +346,15 @@ class Take:
         Raises:
             FaceEditError: it cannot be written.
         """
-        path = Path(path)
+        path = file_name(path)
+        fps = None if fps is None else checked_rate(path, number("fps", fps))
+        keep_inputs([path], self._read)
         form = exporting.choose(path, format, self.session.take, fps)
         options = exporting.Options(fps, self._character, compact, overwrite, follow_head)
-        return exporting.export_session(self.session, path, form, options)
+        try:
+            return exporting.export_session(self.session, path, form, options)
+        except Kept as error:
+            raise Kept(error.path, error.reason, "give overwrite=True") from None
 
     def film(
         self,
@@ -355,17 +379,13 @@ class Take:
         """
         if view not in list(filming.View):
             raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
+        path = file_name(path)
+        fps = None if fps is None else checked_rate(path, number("fps", fps))
+        keep_inputs([path], self._read)
         take, weights, rotations = filming.shown_by(self.session)
         shot = filming.Shot(filming.View(view), size, fps, follows_head=follow_head)
-        filmed = filming.film_take(
-            take,
-            weights,
-            self.session.shown_rig,
-            filming.media_of(take),
-            Path(path),
-            shot,
-            rotations=rotations,
-        )
+        rig, media = self.session.shown_rig, filming.media_of(take)
+        filmed = filming.film_take(take, weights, rig, media, path, shot, rotations=rotations)
         assert filmed is not None  # nothing stops it
         return filmed
 
@@ -373,13 +393,8 @@ class Take:
         """Save the edits, for another take.
 
         Raises:
-            FaceEditError: the file cannot be written.
+            FaceEditError: the file cannot be written, or is the take or its character.
         """
+        path, head = file_name(path), self._character
+        keep_inputs([path], [self.path, None if head is None else head.character.path])
         self.session.save_edits(path)
-
-
-def _with_strength(edit: Edit, strength: float) -> Edit:
-    try:
-        return replace(edit, strength=strength)
-    except ValueError as error:
-        raise FaceEditError(f"The preset cannot be applied: {error}") from error

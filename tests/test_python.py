@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +20,8 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.formats.opening import open_take
 
+NOTHING: Any = None  # where an argument must be something else
+TEXT: Any = "a"
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
 RECIPES = dict(re.findall(r"^## ([^\n]+)\n\n```python\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL))
 
@@ -30,9 +35,12 @@ def test_there_are_five_recipes() -> None:
     assert len(RECIPES) == 5
 
 
+@pytest.mark.parametrize("make", [make_livelink_csv, make_plain_csv], ids=["head", "no head"])
 @pytest.mark.parametrize("name", RECIPES)
-def test_a_recipe_runs_as_it_is(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = make_livelink_csv(tmp_path / "take.csv").read_bytes()
+def test_a_recipe_runs_as_it_is(
+    name: str, make: Callable[[Path], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = make(tmp_path / "take.csv").read_bytes()
     monkeypatch.chdir(tmp_path)
     exec(compile(RECIPES[name], name, "exec"), {})
     written = [path for path in tmp_path.rglob("*") if path.is_file() and path.name != "take.csv"]
@@ -106,6 +114,59 @@ def test_wrong_words_and_numbers_are_one_line(take: faceedit_app.Take) -> None:
             wrong()
         assert len(str(error.value).splitlines()) == 1
     assert take.edits == ()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        (lambda take, f: take.export(f, fps=0), "cannot have 0 frames per second; give 1 to 1000"),
+        (lambda take, f: take.export(f, fps=-1), "give 1 to 1000"),
+        (lambda take, f: take.export(f, fps=float("nan")), "fps=nan: must be a number"),
+        (lambda take, f: take.export(f, fps=1e9), "give 1 to 1000"),
+        (lambda take, f: take.film(f, fps=0), "give 1 to 1000"),
+        (lambda take, f: take.export(None), "None: must be the name of a file"),
+        (lambda take, f: take.export(take.path), "or give overwrite=True, which keeps a copy"),
+        (lambda take, f: take.save_edits(take.path), "read here"),
+        (lambda take, f: take.load_edits(f).export(f), "read here"),
+        (lambda take, f: take.make_neutral(at=99), "is outside the take"),
+        (lambda take, f: take.make_neutral(at=float("nan")), "at=nan: must be a number"),
+        (lambda take, f: take.retime([(1, 1), (1, "2")]), "pin='2': must be a number"),
+        (lambda take, f: take.retime([1]), "pins must be pairs of seconds"),
+        (lambda take, f: take.edit("mouth_opening", by="3"), "by='3': must be a number"),
+        (lambda take, f: take.edit("mouth_opening", by=3, start=None), "start=None: must be"),
+        (lambda take, f: take.edit(3, by=3), "must be names"),
+        (lambda take, f: take.preset("smile", start="a"), "start='a': must be a number"),
+        (lambda take, f: take.preset(3), "3: must be the name of a file"),
+        (lambda take, f: faceedit_app.open(NOTHING), "None: must be the name of a file"),
+        (lambda take, f: faceedit_app.open(take.path, fps=TEXT), "fps='a': must be a number"),
+    ],
+)
+def test_what_cannot_be_is_said_and_changes_nothing(
+    tmp_path: Path, wrong: Callable[[Any, Path], object], says: str
+) -> None:
+    take = faceedit_app.open(make_livelink_csv(tmp_path / "take.csv"))
+    edits = tmp_path / "edits.csv"
+    edits.write_text(json.dumps({"version": 1, "edits": []}))
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(FaceEditError) as error:
+        wrong(take, edits)
+    assert says in str(error.value)
+    assert "--" not in str(error.value)
+    assert take.edits == ()
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_rate_that_is_needed_is_asked_for_as_python_does(tmp_path: Path) -> None:
+    path = tmp_path / "bare.csv"
+    path.write_text("jawOpen,eyeBlinkLeft\n" + "0.1,0.2\n" * 20)
+    with pytest.raises(FaceEditError, match="such as fps="):
+        faceedit_app.open(path)
+
+
+def test_a_moment_at_two_times_is_a_pause(take: faceedit_app.Take) -> None:
+    take.retime([(0.8, 0.8), (0.8, 1.1)])
+    still = take.weights[(take.times >= 0.8) & (take.times <= 1.1)]
+    np.testing.assert_allclose(still, np.broadcast_to(still[0], still.shape), atol=0.02)
 
 
 def test_importing_the_package_loads_nothing_more() -> None:

@@ -19,7 +19,6 @@ from faceedit_app.editing import exporting
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.originals import Kept
 from faceedit_app.formats.registry import no_takes_below, takes_below
-from faceedit_app.formats.timing import RateNeeded
 
 _OTHER_FOLDER = "choose another folder for the results"
 _POINTS = 120  # of the small curve of a take
@@ -178,11 +177,10 @@ def perform(task: Task) -> Outcome:
             edited=_small(take.curve(LIP_OPENING)),
             backup="" if backup is None else str(PurePosixPath(task.result).with_name(backup.name)),
         )
-    except RateNeeded as error:  # --fps is the rate to write here
-        remedy = error.remedy.replace("--fps", "--take-fps")
-        return replace(outcome, error=str(FileError(error.path, error.problem, remedy)))
-    except Kept as error:
-        return replace(outcome, error=str(FileError(error.path, error.problem, _OTHER_FOLDER)))
+    except FileError as error:  # --fps is the rate to write here
+        remedy = error.remedy.replace("fps=", "--take-fps ")
+        remedy = _OTHER_FOLDER if isinstance(error, Kept) else remedy
+        return replace(outcome, error=str(error.with_remedy(remedy)))
     except FaceEditError as error:
         return replace(outcome, error=str(error))
     except Exception as error:  # a fault of ours in one take must not stop the others

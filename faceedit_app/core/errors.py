@@ -38,6 +38,10 @@ class FileError(FaceEditError):
             problem = plain_line(problem, room)
         super().__init__(f"{place}{at}: {problem}; {remedy}")
 
+    def with_remedy(self, remedy: str) -> FileError:
+        """The same error with another remedy, as it is called elsewhere."""
+        return FileError(self.path, self.problem, remedy, self.line)
+
 
 class Unavailable(FaceEditError):
     """Something the computer lacks, such as OpenGL; the text names the remedy."""

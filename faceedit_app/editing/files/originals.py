@@ -53,13 +53,14 @@ def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
     return ""
 
 
-def make_way(path: Path, take: Path, overwrite: bool) -> Path | None:
+def make_way(path: Path, take: Path, overwrite: bool, way: str = "add --overwrite") -> Path | None:
     """Make sure that writing to `path` loses no recording.
 
     Args:
         path: the file that will be written.
         take: the take that is exported.
         overwrite: replace a recording, after a copy of it has been made.
+        way: how the user can ask for that; "" = not here.
 
     Returns:
         The copy, if one was made.
@@ -72,7 +73,7 @@ def make_way(path: Path, take: Path, overwrite: bool) -> Path | None:
     if not reason:
         return None
     if not overwrite:
-        raise Kept(path, reason)
+        raise Kept(path, reason, way)
     return keep_backup(path)
 
 

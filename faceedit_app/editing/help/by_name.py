@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, CONTROLS
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.given import number, number_or_none
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.channel_edits import missing_channels
+
+_WAYS = {Op.OFFSET: "by", Op.SET: "to", Op.SCALE: "times", Op.SMOOTH: "smooth"}
 
 
 def control_by_name(name: str) -> str:
@@ -43,14 +47,24 @@ def edit_by_name(
     Raises:
         FaceEditError: a name or a number is wrong, or the times are outside the take.
     """
-    given = [(op, value) for op, value in ways.items() if value is not None]
+    given = [(op, number(_WAYS[op], value)) for op, value in ways.items() if value is not None]
     if len(given) != 1:
         raise FaceEditError("An edit needs exactly one of by, to, times and smooth")
     [(op, value)] = given
-    names = (curves,) if isinstance(curves, str) else tuple(curves)
+    names = (
+        (curves,)
+        if isinstance(curves, str)
+        else tuple(curves)
+        if isinstance(curves, Iterable)
+        else ()
+    )
+    if not all(isinstance(name, str) for name in names) or not names:
+        raise FaceEditError(f"{curves!r:.40}: must be names of curves or channels")
     channels = names if all(name in CHANNEL_INDEX for name in names) else ()
     controls = () if channels else tuple(map(control_by_name, names))
-    start, end = span[0], float(clip.times[-1]) if span[1] is None else span[1]
+    last = number_or_none("end", span[1])
+    start, end = number("start", span[0]), float(clip.times[-1]) if last is None else last
+    falloff, strength = number("falloff", falloff), number("strength", strength)
     try:
         edit = Edit(controls, op, start, end, falloff, value, strength=strength, channels=channels)
     except ValueError as error:
@@ -72,3 +86,15 @@ def check_inside(clip: Clip, start: float, end: float) -> None:
         raise FaceEditError(
             f"{start:g} to {end:g} s is outside the take: it lasts from {first:g} to {last:g} s"
         )
+
+
+def with_strength(edit: Edit, strength: float) -> Edit:
+    """An edit of a preset with a strength.
+
+    Raises:
+        FaceEditError: it cannot have it.
+    """
+    try:
+        return replace(edit, strength=strength)
+    except ValueError as error:
+        raise FaceEditError(f"The preset cannot be applied: {error}") from error

@@ -14,6 +14,7 @@ import numpy as np
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.given import number, number_or_none
 from faceedit_app.editing.edits.clock import CROSSFADE
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.by_name import check_inside
@@ -258,6 +259,11 @@ def by_pins(
     Raises:
         FaceEditError: the pins cross, or lie outside the range or the take.
     """
+    start, end = number_or_none("start", start), number_or_none("end", end)
+    try:
+        pins = tuple((number("pin", was), number("pin", now)) for was, now in pins)
+    except (TypeError, ValueError):  # not pairs
+        raise FaceEditError("pins must be pairs of seconds, such as [(1.2, 1.4)]") from None
     if not pins:
         raise FaceEditError("A retime needs pins: pairs of seconds, as they were and as they are")
     first, last = float(clip.times[0]), float(clip.times[-1])
