@@ -28,6 +28,7 @@ class SceneFormat:
         hints: by program, what to do there; `{rate}` stands for the frame rate.
         write: encodes a scene, given the animation's name and whether to store weights compactly.
         is_compact: whether it can store weights compactly.
+        other_ending: another ending that its files may have; "" = none.
     """
 
     key: str
@@ -37,6 +38,12 @@ class SceneFormat:
     hints: tuple[tuple[str, str], ...]
     write: Callable[[Scene, str, bool], bytes]
     is_compact: bool = False
+    other_ending: str = ""
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """All endings of its files, the usual one first."""
+        return (self.ending, self.other_ending) if self.other_ending else (self.ending,)
 
 
 # fmt: off
@@ -75,6 +82,7 @@ SCENES: tuple[SceneFormat, ...] = (
             ("Houdini", "load the file with a USD Character Import or a Reference"),
         ),
         lambda scene, name, _compact: scene_usda(scene, name),
+        other_ending=".usd",  # which may hold text as well
     ),
     SceneFormat(
         "usdz", "USD package with character", ".usdz", "Maya, Blender, Unreal, macOS",

@@ -19,6 +19,7 @@ from faceedit_app.command_line.options import (
     JsonOption,
     ModelsOption,
     TakeArgument,
+    check_csv,
 )
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
@@ -79,6 +80,7 @@ def record(
     from faceedit_app.formats.summary import summarize
     from faceedit_app.live.protocols import find_protocol, own_address
 
+    check_csv(output)
     chosen = find_protocol(protocol)
     recorder = Recorder(output, chosen, host, port, phone)
     try:

@@ -7,6 +7,8 @@ from typing import Annotated, Optional
 
 import typer
 
+from faceedit_app.core.errors import FileError
+
 # typer reads annotations at run time, so they stay in the old form.
 TakeArgument = Annotated[Path, typer.Argument(help="A take, such as a Live Link Face CSV.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
@@ -38,3 +40,14 @@ FollowHeadOption = Annotated[
     bool,
     typer.Option("--follow-head", help="Turn the head as it was recorded; it is straight if not."),
 ]
+
+
+def check_csv(path: Path) -> None:
+    """Check the name of a new take that is always a Live Link Face CSV.
+
+    Raises:
+        FileError: it does not end like one.
+    """
+    if path.suffix.lower() != ".csv":
+        problem = "would be a Live Link Face CSV, but does not end in .csv"
+        raise FileError(path, problem, "choose a name that does; faceedit convert writes others")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from faceedit_app.command_line.options import JsonOption
+from faceedit_app.command_line.options import JsonOption, check_csv
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 
@@ -154,13 +154,19 @@ def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
         raise FileError(film, "does not exist", "check the name and the folder")
     if not film.is_dir():
         take = output or film.with_name(f"{film.stem}_tracked.csv")
-        return [(film, take / f"{film.stem}.csv" if take.is_dir() else take)]
+        take = take / f"{film.stem}.csv" if take.is_dir() else take
+        check_csv(take)
+        return [(film, take)]
     films = sorted(path for path in film.iterdir() if path.suffix.lower() in FILM_ENDINGS)
     if not films:
         raise FileError(film, "has no films", f"put {', '.join(FILM_ENDINGS)} files into it")
     folder = output or film
     if output is not None:
-        output.mkdir(parents=True, exist_ok=True)
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise FileError(output, f"cannot be a folder ({reason})", "choose another") from error
     return [(path, folder / f"{name}_tracked.csv") for path, name in _names(films).items()]
 
 

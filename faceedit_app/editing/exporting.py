@@ -60,7 +60,7 @@ class OutFormat:
     @property
     def ending(self) -> str:
         """Of its files, with the dot."""
-        return self.kind.ending if isinstance(self.kind, SceneFormat) else self.kind.endings[0]
+        return self.kind.endings[0]
 
     @property
     def has_character(self) -> bool:
@@ -179,9 +179,7 @@ def choose(
 
 
 def _all_endings(*formats: OutFormat) -> set[str]:
-    kinds = (form.kind for form in formats)
-    pairs = ((k.ending,) if isinstance(k, SceneFormat) else k.endings for k in kinds)
-    return {ending for endings in pairs for ending in endings}
+    return {ending for form in formats for ending in form.kind.endings}
 
 
 def by_ending(path: Path, take: Take) -> OutFormat | None:

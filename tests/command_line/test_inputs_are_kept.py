@@ -30,7 +30,7 @@ LINES = {
     "edits of retime": "retime take.csv --cut 0.2-0.4 --edits edits.json -o edits.json --overwrite",
     "words of retime": "retime take.csv --cut 0.2-0.4 --words n.TextGrid -o n.csv --overwrite",
     "sound of retime": "retime take.csv --cut 0.2-0.4 --sound n.wav -o n.csv --overwrite",
-    "film of track": "track other.mp4 -o other.mp4",
+    "film of track": "track film.csv -o film.csv",
     "edits of track": "track other.mp4 --report out --edits edits.csv -o edits.csv",
     "film of a report": "track side_by_side.mp4 --report .",
     "scan": "character make head.glb -o head.glb",
@@ -44,7 +44,7 @@ def inputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     make_livelink_csv(tmp_path / "take.csv")
     Path("edits.json").write_text(json.dumps({"version": 1, "edits": [EDIT | {"falloff": 0.1}]}))
     os.symlink("head.glb", "link.glb")
-    for name in ("said.json", "points.json", "edits.csv", "n.TextGrid"):
+    for name in ("said.json", "points.json", "edits.csv", "film.csv", "n.TextGrid"):
         Path(name).write_text("{}")
     for name in ("take.wav", "n.wav", "head.glb", "take.mp4", "other.mp4", "side_by_side.mp4"):
         Path(name).write_bytes(b"not read before the check")

@@ -59,7 +59,7 @@ def test_a_file_that_is_there_is_kept(
 def test_the_film_itself_is_never_replaced(film: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = film.read_bytes()
     assert main(["track", str(film), "-o", str(film)]) == 2
-    assert "is the film itself" in capsys.readouterr().err
+    assert "does not end in .csv" in capsys.readouterr().err
     assert film.read_bytes() == before
 
 
@@ -166,3 +166,31 @@ def test_wrong_options_are_one_line(
     assert problem in said
     assert said.count("\n") == 1
     assert not (tmp_path / "me.csv").exists()
+
+
+@pytest.mark.parametrize("name", ["take.glb", "take.json", "take", "TAKE.mp4"])
+@pytest.mark.parametrize("command", ["track film.mp4 -o", "record --seconds 0.01"])
+def test_a_csv_is_written_only_under_the_name_of_one(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+    name: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film.mp4").write_bytes(b"not read before the check")
+    assert main([*command.split(), name]) == 2
+    [said] = capsys.readouterr().err.splitlines()
+    assert f"{name}: would be a Live Link Face CSV, but does not end in .csv; choose" in said
+    assert not (tmp_path / name).exists()
+
+
+def test_films_are_not_tracked_into_a_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.mp4").write_bytes(b"")
+    (tmp_path / "takes").write_text("mine")
+    assert main(["track", str(tmp_path), "-o", str(tmp_path / "takes")]) == 2
+    [said] = capsys.readouterr().err.splitlines()
+    assert "takes: cannot be a folder" in said
+    assert (tmp_path / "takes").read_text() == "mine"

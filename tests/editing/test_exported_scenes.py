@@ -43,6 +43,13 @@ def test_the_same_take_gives_the_same_file(ending: str, tmp_path: Path) -> None:
     assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
 
 
+def test_usd_text_has_either_of_its_endings(tmp_path: Path) -> None:
+    for ending in (".usda", ".usd"):
+        export(tmp_path / f"talk{ending}")
+    assert (tmp_path / "talk.usd").read_bytes() == (tmp_path / "talk.usda").read_bytes()
+    assert (tmp_path / "talk.usd").read_bytes().startswith(b"#usda")
+
+
 def textured_head(folder: Path) -> Path:
     return write_glb(folder / "head.glb", picture=picture_of((200, 30, 30)))
 

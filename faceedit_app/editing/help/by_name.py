@@ -51,14 +51,9 @@ def edit_by_name(
     if len(given) != 1:
         raise FaceEditError("An edit needs exactly one of by, to, times and smooth")
     [(op, value)] = given
-    names = (
-        (curves,)
-        if isinstance(curves, str)
-        else tuple(curves)
-        if isinstance(curves, Iterable)
-        else ()
-    )
-    if not all(isinstance(name, str) for name in names) or not names:
+    many = curves if isinstance(curves, Iterable) else ()
+    names = (curves,) if isinstance(curves, str) else tuple(many)
+    if not names or not all(isinstance(name, str) for name in names):
         raise FaceEditError(f"{curves!r:.40}: must be names of curves or channels")
     channels = names if all(name in CHANNEL_INDEX for name in names) else ()
     controls = () if channels else tuple(map(control_by_name, names))
