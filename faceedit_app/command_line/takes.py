@@ -185,7 +185,7 @@ def convert(
 
 
 def _warnings(session: EditSession, engine: Engine) -> list[str]:
-    """Which edits change nothing: the take ends before them, or its channels cannot answer."""
+    """Which edits change nothing: they lie outside the take, or its channels cannot answer."""
     from faceedit_app.editing.solving.answerable import unanswerable
     from faceedit_app.editing.solving.channel_edits import missing_channels
 
@@ -193,6 +193,8 @@ def _warnings(session: EditSession, engine: Engine) -> list[str]:
     for number, edit in enumerate(session.edits, start=1):
         if edit.span[0] > duration:
             found.append(f"edit {number}: begins at {edit.span[0]:.3f} s, after the take's end")
+        if edit.span[1] < 0:
+            found.append(f"edit {number}: ends at {edit.span[1]:.3f} s, before the take begins")
         lacks = unanswerable(edit, session.take, session.rig, engine)
         found += [f"edit {number}: {lack}" for lack in lacks]
         if missing := missing_channels([edit], session.take.clip):

@@ -113,6 +113,7 @@ def words(
             found = _match(session, transcript, retime_to, their_text, spellings, their_start)
             transcript, more["retime"] = found.words, _matched(found)
         more["closures"] = _closures(session, fix, output, models, overwrite)
+        more |= {} if output is None else {"path": str(output)}
     _warn_of_noise(transcript)
     if save is not None:
         write_words(save, transcript, seconds)
@@ -283,6 +284,8 @@ def _entry(before: Closure, after: Closure) -> dict[str, Any]:
 
 
 def _text(report: dict[str, Any]) -> str:
+    from faceedit_app.formats.timing import counted
+
     lines = [f"{w['start']:8.2f} {w['end']:8.2f}  {w['text']}" for w in report["words"]]
     if "retime" in report:
         lines.append(report["retime"]["message"])
@@ -293,4 +296,7 @@ def _text(report: dict[str, Any]) -> str:
         what = f"{closure['phoneme'].lower()} of {closure['word']}"
         state = "fixed" if closure["fixed"] else f"{closure['gap_after_mm']:.1f} mm apart"
         lines.append(f"{closure['time']:8.2f}  {what}: {state}")
+    if "path" in report:
+        closed = counted(sum(closure["fixed"] for closure in closures), "closure")
+        lines.append(f"{report['path']}: the edited take, {closed} fixed")
     return "\n".join(lines)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import TextIO
 
 LONGEST = 300  # characters of a message, whatever a file or its name contains
+_LONGEST_NAME = 80  # characters of a name that may be misspelled
+_SIMILAR = 0.7  # of names with a few wrong letters, 0 to 1
 
 
 def printable(text: str) -> str:
@@ -26,3 +30,22 @@ def plain_line(text: str, longest: int = LONGEST) -> str:
 def say(text: str, to: TextIO | None = None) -> None:
     """Print lines on the terminal; on standard output by default."""
     print("\n".join(map(printable, text.split("\n"))), file=to or sys.stdout)
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """The names that were probably meant by an unknown one, as a phrase that follows it.
+
+    Args:
+        name: the unknown name.
+        names: those that there are; case, spaces and underscores make no difference.
+
+    Returns:
+        Such as ` (did you mean mouth_opening?)`; "" if none is near.
+    """
+    by_key = {_letters(one): one for one in names}
+    near = get_close_matches(_letters(name[:_LONGEST_NAME]), by_key, 3, _SIMILAR)
+    return f" (did you mean {' or '.join(by_key[key] for key in near)}?)" if near else ""
+
+
+def _letters(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())

@@ -19,15 +19,22 @@ def edits_at(folder: Path, start: float) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("start", "is_warned"), [(100.0, True), (1.0, False)])
-def test_an_edit_after_the_end_of_the_take_is_named(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], start: float, is_warned: bool
+@pytest.mark.parametrize(
+    ("start", "warning"),
+    [
+        (100.0, "edit 1: begins at 99.800 s, after the take's end"),
+        (-5.0, "edit 1: ends at -4.400 s, before the take begins"),
+        (1.0, ""),
+    ],
+)
+def test_an_edit_outside_the_take_is_named(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], start: float, warning: str
 ) -> None:
     take, out = make_livelink_csv(tmp_path / "take.csv"), tmp_path / "out.csv"
     assert main(["apply", str(take), str(edits_at(tmp_path, start)), "-o", str(out)]) == 0
     said = capfd.readouterr().err
-    assert ("edit 1: begins at 99.800 s, after the take's end" in said) == is_warned
-    assert (out.read_bytes() == take.read_bytes()) == is_warned
+    assert said == (f"faceedit: warning: {warning}\n" if warning else "")
+    assert (out.read_bytes() == take.read_bytes()) == bool(warning)
 
 
 def test_a_take_is_not_written_under_the_name_of_a_film(

@@ -161,6 +161,22 @@ def test_a_take_is_retimed_to_the_times_in_a_file(tmp_path: Path, run: Run) -> N
     assert len(after) == len(before)
 
 
+def test_a_fix_says_what_it_wrote_and_how_much_it_closed(
+    tmp_path: Path, run: Run, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = said(("map", "M AE P"), ("boom", "B UW M"), start=0.6)
+    take, out = flat_take(tmp_path, words), tmp_path / "out.csv"
+    write_words(tmp_path / "ours.TextGrid", words, 4.0)
+    given = (take, "--words", tmp_path / "ours.TextGrid", "--fix", "-o", out)
+    found = run(*given)
+    fixed = sum(closure["fixed"] for closure in found["closures"])
+    assert fixed > 1
+    assert found["path"] == str(out)
+    assert main(["words", *map(str, given)]) == 0
+    last = capfd.readouterr().out.splitlines()[-1]
+    assert last == f"{out}: the edited take, {fixed} closures fixed"
+
+
 @needs_espeak
 def test_a_take_is_retimed_to_another_sound(tmp_path: Path, run: Run) -> None:
     take, words = mumbling_take(tmp_path)

@@ -94,6 +94,12 @@ BAD_EDITS: dict[str, tuple[Any, str]] = {
     "unknown company": (without(companions="nose"), '"companions" must be one of yield, along'),
     "unknown field": (without(ease=1), 'unknown field "ease"'),
     "unknown control": (without(control="nose"), "unknown control 'nose'"),
+    "misspelled control": (
+        without(control="mouth_openning"),
+        "unknown control 'mouth_openning' (did you mean mouth_opening",
+    ),
+    "a label as control": (without(control="Mouth opening"), "(did you mean mouth_opening"),
+    "misspelled channel": (without("control", channel="jawOpn"), "(did you mean jawOpen"),
     "no control": (without("control"), '"control"'),
     "number as control": (without(control=5), '"control"'),
     "both spellings": (without(controls=["mouth_width"]), '"control"'),

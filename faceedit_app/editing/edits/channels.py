@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, ROTATIONS, mirrored_channel
 from faceedit_app.core.levels import STRONGEST_LEVEL, is_level
+from faceedit_app.core.texts import did_you_mean
 
 # All that an edit can name: weights in ARKit order, then rotations in degrees.
 CHANNELS: tuple[str, ...] = (*ARKIT_CHANNELS, *ROTATIONS)
@@ -30,7 +31,8 @@ def channel_problem(
             return f'a {op} needs "channels"'
         return "only an edit of channels can have amounts" if amounts else ""
     if unknown := [name for name in channels if name not in CHANNEL_INDEX]:
-        return f"unknown channel {unknown[0][:40]!r}"
+        near = did_you_mean(unknown[0], CHANNEL_INDEX)
+        return f"unknown channel {unknown[0][:40]!r}{near}"
     if len(set(channels)) < len(channels):
         return "it names a channel twice"
     if len({is_rotation(name) for name in channels}) > 1:

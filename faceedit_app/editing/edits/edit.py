@@ -20,6 +20,7 @@ from faceedit_app.core.fields import (
     Fields,
     clean_text,
 )
+from faceedit_app.core.texts import did_you_mean
 from faceedit_app.editing.edits.channels import channel_problem, mirrored_channels
 
 LONGEST_SMOOTH = 10.0  # seconds
@@ -119,7 +120,8 @@ class Edit:
 
     def __post_init__(self) -> None:
         if unknown := [c for c in self.controls if c not in CONTROL_IDS]:
-            raise ValueError(f"unknown control {unknown[0][:40]!r}")
+            near = did_you_mean(unknown[0], CONTROL_IDS)
+            raise ValueError(f"unknown control {unknown[0][:40]!r}{near}")
         if not self.controls and not self.channels:
             raise ValueError("it has no control")
         if self.controls and self.channels:

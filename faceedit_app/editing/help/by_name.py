@@ -9,6 +9,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS, CONTROLS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.given import number, number_or_none
+from faceedit_app.core.texts import did_you_mean
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.channel_edits import missing_channels
@@ -25,7 +26,10 @@ def control_by_name(name: str) -> str:
     for control in CONTROLS:
         if name in (control.id, control.label):
             return control.id
-    raise FaceEditError(f"{name}: there is no such curve; use one of {', '.join(CONTROL_IDS)}")
+    near = did_you_mean(name, CONTROL_IDS)
+    raise FaceEditError(
+        f"{name}: there is no such curve{near}; use one of {', '.join(CONTROL_IDS)}"
+    )
 
 
 def edit_by_name(
