@@ -42,14 +42,30 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     """
     text = read_json(path, content)
     document = as_object(text.document)
+    rows = as_list(document.get("weightMat"))
+    said = text.number(document.get("numFrames"))
+    wrong = (
+        () if said in (None, len(rows)) else (f"numFrames says {said:g}, there are {len(rows)}",)
+    )
     frames = JsonFrames(
         next((as_list(document[name]) for name in _NAMES if name in document), []),
-        as_list(document.get("weightMat")),
+        rows,
         as_list(document.get("timeCodes")),
         rate=frame_rate(text, document),
+        notes=wrong,
         sure=as_list(document.get(CONFIDENCE)),
     )
     return json_take(text, FORMAT, frames, fps)
+
+
+def is_plain(content: bytes, clip: Clip) -> bool:
+    """Whether Audio2Face's importers, which believe the counts, find a clip in an export."""
+    try:
+        document = as_object(json.loads(content.decode("utf-8-sig")))
+    except ValueError:
+        return False
+    counts = {"numFrames": len(clip), "numPoses": len(as_list(document.get("facsNames")))}
+    return all(document.get(key, count) == count for key, count in counts.items())
 
 
 def write(clip: Clip) -> bytes:

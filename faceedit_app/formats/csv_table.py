@@ -23,9 +23,11 @@ from faceedit_app.formats.files import BOM, CHOOSE_TAKE, REPAIR, check_text, sho
 from faceedit_app.formats.lost_faces import (
     has_no_numbers,
     is_missing,
+    is_time_unit,
     lost_rows,
     says_lost,
 )
+from faceedit_app.formats.numbers import is_number
 
 _HEAD = 1 << 20  # bytes; enough for a header and a row
 _MOST_LINES = 6_000_000  # more than a day at 60 fps
@@ -332,23 +334,21 @@ def _is_comment(line: bytes) -> bool:
 
 
 def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> bool:
-    """Whether a row holds units or ranges, such as `s` and `[0-1]`, instead of a frame."""
+    """Whether a row holds units or ranges, such as `s` and `[0-1]`, instead of a frame.
+
+    A weight without a unit may be `-`, as in a row that lost the face, if a time has one.
+    """
     if max([*texts, *numbers]) >= len(cells):
         return False
     shown = [plain_text(cells[k]) for k in numbers]
-    if any(is_number(text) or (text and is_missing(text)) for text in shown):
+    if any(map(is_number, shown)):
+        return False
+    if any(is_time_unit(plain_text(cells[k])) for k in texts):
+        return True
+    if any(text and is_missing(text) for text in shown):
         return False
     digits = any(character.isdigit() for k in texts for character in plain_text(cells[k]))
     return not digits and any(cells[k].strip() for k in [*texts, *numbers])
-
-
-def is_number(text: str) -> bool:
-    """Whether a text is a number, with a point or a comma."""
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
 
 
 def split_header(text: bytes) -> tuple[bytes, Cells | None]:

@@ -20,7 +20,6 @@ from faceedit_app.formats.csv_table import (
     Rows,
     Table,
     first_rows,
-    is_number,
     plain_text,
     read_table,
 )
@@ -35,6 +34,7 @@ from faceedit_app.formats.lost_faces import (
     is_count,
     letters,
 )
+from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.rotations import all_rotations, found_rotations
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled

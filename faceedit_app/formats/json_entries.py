@@ -37,6 +37,7 @@ _FEW = 6  # entries of an object that holds one weight
 _LONGEST_KEY = 60
 _PLAIN = re.compile(r"\d+(?:\.\d+)?")
 _NUMBERED = re.compile(r"([A-Za-z]{1,12}[ _-]?)(\d+)")
+_FEWEST_FRAMES = 2  # of a list beside the one that is read, which may hold a pose only
 _MORE = 4  # entries that an inner list must have to be the frames of one face
 
 Frames = tuple[Sequence[str], Sequence[Any]]
@@ -52,6 +53,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     if found is None:
         return None
     (keys, entries), faces = _of_one_face(found, naming)
+    faces = faces or _other_lists(text.document, found, naming)
     entries = entries if keys else _without_ends(entries, naming)
     sets = [list(_sets(entry, naming)) for entry in entries]
     weights = [_merged(one) for one in sets]
@@ -105,6 +107,33 @@ def _of_one_face(found: Frames, naming: Naming) -> tuple[Frames, tuple[str, ...]
         return found, ()
     note = f"holds the frames of {len(entries)} faces or takes: the first are read"
     return own, (note,) if len(entries) > 1 else ()
+
+
+def _other_lists(document: Any, found: Frames, naming: Naming) -> tuple[str, ...]:
+    """The note about other lists with frames of the same weights, beside the one that is read."""
+    keys, entries = found
+    if keys:
+        return ()
+    first = next(filter(None, (next(_sets(e, naming), None) for e in entries[:TRIED])), {})
+    own = set(filter(naming, first))
+    count = 1
+    for _, others in _lists(document, 0):
+        if others is entries or len(others) < _FEWEST_FRAMES:
+            continue
+        if _have_weights(others, naming):
+            count += not own.isdisjoint(next(_sets(others[0], naming), {}))
+    if count < 2:
+        return ()
+    name = shown(_key_of(document, entries) or "")
+    return (f'holds {count} lists of frames, of several faces or takes: "{name}" is read',)
+
+
+def _key_of(entry: Any, wanted: Sequence[Any]) -> str | None:
+    """The outermost key of an object below which a list is, or None."""
+    for key, value in islice(as_object(entry).items(), MOST_NAMES):
+        if value is wanted or _key_of(value, wanted) is not None:
+            return key
+    return None
 
 
 def _without_ends(entries: Sequence[Any], naming: Naming) -> Sequence[Any]:

@@ -20,7 +20,6 @@ from faceedit_app.formats.csv_source import bare
 from faceedit_app.formats.csv_table import (
     Cells,
     Table,
-    is_number,
     plain_text,
     read_table,
     split_line,
@@ -30,6 +29,7 @@ from faceedit_app.formats.json_take import Naming
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.number_spans import SpanSource
+from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.stated_rate import rate_in_table, settled
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns

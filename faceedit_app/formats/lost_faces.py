@@ -44,6 +44,7 @@ _SENTINEL = 999.0  # no weight on any scale, in every column of a row
 _FEWEST_NUMBERS = 3  # of a row that such numbers mark as lost
 _FACE = 8  # channels of a row that are not all 0 by chance
 _ABRUPT = 0.05  # full blendshapes by which a frame beside such a row differs
+_TIME_UNIT = re.compile(r"[\[(]?(?:s|secs?|seconds?|ms|msecs?|milliseconds?|frames?)[\])]?", re.I)
 
 
 def letters(name: str) -> str:
@@ -91,6 +92,11 @@ def says_lost(name: str, value: str) -> bool:
 def is_missing(text: str) -> bool:
     """Whether a cell's text stands for a missing number."""
     return text.lower() in MISSING
+
+
+def is_time_unit(text: str) -> bool:
+    """Whether a cell's text is the unit of a time; then its row has units, and lost no face."""
+    return _TIME_UNIT.fullmatch(text) is not None
 
 
 def has_no_numbers(texts: Sequence[str]) -> bool:

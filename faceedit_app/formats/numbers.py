@@ -75,6 +75,15 @@ def as_written(weights: Floats, scale: float, form: NumberFormat) -> Doubles:
     return numbers
 
 
+def is_number(text: str) -> bool:
+    """Whether a text is a number, with a point or a comma."""
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
 def kept_text(old: bytes, new: bytes, decimal: bytes = b".") -> bytes:
     """The old text of a number if the new one is the same number, else the new text."""
     try:

@@ -15,6 +15,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import BOM
 
 SECONDS = "time_s"  # the column of a plain CSV that scripts look for
@@ -23,6 +24,7 @@ _OFF = 1e-4  # full blendshapes
 _LATE = 1e-3  # seconds
 _FRAME = 1.25 / SIXTIETHS  # seconds by which whole frames of a timecode may be off
 _DAY = 86_400
+_NUMBER = re.compile(r" *[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)? *", re.ASCII)
 _TIMECODE = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d+)?)", re.ASCII)
 
 
@@ -41,17 +43,26 @@ def is_plain_livelink(content: bytes, clip: Clip) -> bool:
     names = [name.lower() for name in ARKIT_CHANNELS]
     if header[:2] != ["timecode", "blendshapecount"] or times is None:
         return False
+    others = [k for k, name in enumerate(header) if k and name not in names]
+    if any(_numbers(rows, k) is None for k in others):
+        return False
     late = (times - times[0] - clip.times + _DAY / 2) % _DAY - _DAY / 2
     return bool(np.abs(late).max() <= _FRAME) and _has(header, rows, names, clip.arkit_weights())
 
 
 def is_plain_csv(content: bytes, clip: Clip) -> bool:
-    """Whether a script finds a clip in a CSV by the names `time_s` and those of the channels."""
+    """Whether a script finds a clip in a CSV by the names `time_s` and those of the channels.
+
+    A channel without numbers, which FaceEdit carries, would stop it.
+    """
     rows = None if content.startswith(BOM) else _rows(content)
     if rows is None or SECONDS not in rows[0] or len(rows) != len(clip) + 1:
         return False
     times = _numbers(rows, rows[0].index(SECONDS))
     if times is None or not 0 <= times[0] < _DAY:
+        return False
+    channels = [k for k, name in enumerate(rows[0]) if canonical_channel(name)]
+    if any(_numbers(rows, k) is None for k in channels):
         return False
     is_timed = bool(np.abs(times - times[0] - clip.times).max() <= _LATE)
     return is_timed and _has(rows[0], rows, clip.channels, clip.weights)
@@ -82,11 +93,9 @@ def _has(header: list[str], rows: list[list[str]], names: Sequence[str], weights
 
 
 def _numbers(rows: list[list[str]], column: int) -> Doubles | None:
-    """(T,) the numbers in a column; None if a cell holds something else."""
-    try:
-        return np.array([float(row[column]) for row in rows[1:]])
-    except ValueError:
-        return None
+    """(T,) the numbers in a column; None if one is none that other readers know."""
+    texts = [row[column] for row in rows[1:]]
+    return np.array(texts, np.float64) if all(map(_NUMBER.fullmatch, texts)) else None
 
 
 def _sixtieths(texts: list[str]) -> Times | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
 RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
-_BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (24, 30, 48, 60, 120))
+_BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (12, 15, 24, 30, 48, 60, 120))
 # 29.97 and 30 are 0.1 % apart: the lower rate is chosen only if it is clearly nearer.
 _BROADCAST_TOLERANCE = 0.0003
 _ROUNDED = 0.0045  # the rounding error of a broadcast rate with two decimals

@@ -102,7 +102,8 @@ FORMATS: tuple[Format, ...] = (
            )),
     Format("audio2face", audio2face.FORMAT, (".json",), "application/json",
            "NVIDIA Audio2Face",
-           audio2face.sniff, audio2face.read, audio2face.write, tells_times=False,
+           audio2face.sniff, audio2face.read, audio2face.write,
+           is_plain=audio2face.is_plain, tells_times=False,
            keeps_confidence=True, hints=(
                ("Blender", "set the scene to {rate} first; the add-on Faceit then imports the file "
                 "(Mocap > Import Audio2Face)"),

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.names import naming_of
 from faceedit_app.formats.csv_source import bare
-from faceedit_app.formats.csv_table import Table, is_number, plain_text, read_table, split_line
+from faceedit_app.formats.csv_table import Table, plain_text, read_table, split_line
 from faceedit_app.formats.files import BOM, LONGEST_NAME, REPAIR, shown
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.lost_faces import lost_rows
 from faceedit_app.formats.number_spans import SpanSource
+from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.stated_rate import rate_in_lines, settled
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import text_times, time_columns
