@@ -127,7 +127,7 @@ def _export(
     options = exporting.Options(character=character, overwrite=overwrite, follows_head=follow_head)
     done = exporting.export_session(session, output, form, options)
     facts = json_output.written_facts(
-        output, take.path, form.name, done.clip, done.remarks, done.backup
+        output, take.path, form.name, done.clip, done.said("--follow-head"), done.backup
     )
     return facts, session.changed_frames()
 
@@ -172,15 +172,13 @@ def convert(
     chosen = exporting.choose(output, form, opened, fps, character is not None)
     options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
-    clip = written.clip
+    clip, remarks = written.clip, written.said("--follow-head")
     if as_json:
-        facts = json_output.written_facts(
-            output, take, chosen.name, clip, written.remarks, written.backup
-        )
+        facts = json_output.written_facts(output, take, chosen.name, clip, remarks, written.backup)
         json_output.say_json(facts | {"hints": chosen.hints(clip.rate)})
         return
     say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
-    for line in (*written.remarks, *chosen.hints(clip.rate)):
+    for line in (*remarks, *chosen.hints(clip.rate)):
         say(f"  {line}")
 
 

@@ -116,8 +116,9 @@ class Exported:
         path: the file.
         form: its format.
         clip: the take as written, at its rate.
-        remarks: sentences about what the file does not hold.
+        remarks: sentences about what the file does not hold, but for the head; see `said`.
         backup: the copy of the recording that it replaced, if it did.
+        is_straight: the head was recorded as it turns, but does not turn in the file.
     """
 
     path: Path
@@ -125,6 +126,18 @@ class Exported:
     clip: Clip
     remarks: tuple[str, ...]
     backup: Path | None = None
+    is_straight: bool = False
+
+    def said(self, turning: str = "") -> tuple[str, ...]:
+        """All remarks.
+
+        Args:
+            turning: what the user can choose for the head to turn; "" if there is no choice.
+        """
+        if not self.is_straight:
+            return self.remarks
+        remedy = f"; {turning} turns it as recorded" if turning else ""
+        return (*self.remarks, f"the head is straight{remedy}")
 
 
 def out_formats() -> tuple[OutFormat, ...]:
@@ -277,9 +290,7 @@ def export_take(
         remarks = (f"left out because they are not channels: {', '.join(lost)}",)
     if note:
         remarks += (note,)
-    if straight:
-        remarks += ("the head is straight; Follow the head (--follow-head) turns it as recorded",)
-    return Exported(path, form, clip, remarks, backup)
+    return Exported(path, form, clip, remarks, backup, straight)
 
 
 def changed_frames(session: EditSession, path: Path) -> int:

@@ -137,7 +137,7 @@ def write_spliced(
         exported = export_take(bare, made.clip, path, form, options)
         undo.pop_all()
     written = (paths[0] if sound is not None else None), (paths[1] if film is not None else None)
-    lines = (*made.notes, *exported.remarks, *remarks)
+    lines = (*made.notes, *exported.said(), *remarks)
     return Written(path, made.clip, *written, made, lines, form.name, exported.backup)
 
 

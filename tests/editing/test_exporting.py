@@ -188,7 +188,8 @@ def test_what_is_on_screen_is_what_a_character_plays(tmp_path: Path) -> None:
     np.testing.assert_array_equal(again.arkit_weights(), session.weights)
     np.testing.assert_allclose(again.times, session.take.clip.times, atol=1e-6)
     assert "LeftEyeYaw" in written.remarks[0]
-    assert "the head is straight" in written.remarks[1]
+    assert written.said("this")[1] == "the head is straight; this turns it as recorded"
+    assert written.said()[1] == "the head is straight"
 
 
 @pytest.mark.parametrize("ending", ENDINGS)

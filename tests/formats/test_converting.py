@@ -182,7 +182,7 @@ def test_the_rotations_of_head_and_eyes_survive_another_rate(
     assert main(["convert", str(take), str(tmp_path / "out.glb")]) == 0
     said = capfd.readouterr().out
     assert "left out because they are not channels: LeftEyeYaw" in said
-    assert "the head is straight; Follow the head (--follow-head) turns it" in said
+    assert "the head is straight; --follow-head turns it as recorded" in said
     assert main(["convert", str(take), str(tmp_path / "out.glb"), "--follow-head"]) == 0
     assert "the head is straight" not in capfd.readouterr().out
 

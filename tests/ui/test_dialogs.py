@@ -64,6 +64,19 @@ def test_each_answer_about_unsaved_edits(
     assert dialogs.ask_unsaved(parent, "take.csv") is answer
 
 
+def test_an_exported_file_is_explained_in_a_block_for_each_program(parent: QWidget) -> None:
+    program = "Blender: File > Import > glTF 2.0."
+    lines = ["left out because they are not channels: a, b", "jawOpen has no shape", program]
+    dialogs.show_exported(parent, Path("talk.glb"), lines)
+    (box,) = parent.findChildren(QMessageBox)
+    assert box.informativeText().split("\n\n") == [
+        "Left out because they are not channels: a, b.",
+        "jawOpen has no shape.",
+        program,
+    ]
+    box.close()
+
+
 def test_escape_is_cancel(parent: QWidget) -> None:
     when_asked(lambda dialog: dialog.reject())
     assert dialogs.ask_unsaved(parent, "take.csv") is dialogs.Unsaved.CANCEL

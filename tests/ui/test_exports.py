@@ -107,6 +107,17 @@ def test_what_is_on_screen_is_exported_as_a_character(bench: Bench) -> None:
     assert not bench.errors
 
 
+def test_the_window_says_where_in_its_menus_the_head_is_made_to_turn(bench: Bench) -> None:
+    window = bench.editing()
+    out = bench.folder / "talk.glb"
+    bench.answers["export"] = out
+    trigger(window, "export")
+    bench.qtbot.waitUntil(lambda: bool(bench.exported), timeout=20_000)
+    said = " ".join(bench.exported[0][1])
+    assert "the head is straight; View > Follow the head turns it as recorded" in said
+    assert "--" not in said
+
+
 def test_an_ending_of_another_format_means_that_format(bench: Bench) -> None:
     window = bench.editing()
     out = bench.folder / "talk.glb"

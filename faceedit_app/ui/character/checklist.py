@@ -19,6 +19,7 @@ from faceedit_app.characters.fitted import FittedCharacter
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.ui.character.shape_table import ShapeModel, ShapeTable
+from faceedit_app.ui.look.texts import sentence
 from faceedit_app.ui.look.widgets import resize_on_screen
 
 _SIZE = (760, 640)
@@ -114,7 +115,7 @@ class CharacterChecklist(QDialog):
             facts.append(f"{len(check.dead)} {moves} nothing that can be seen")
         facts.append(f"{self._character.character.vertex_count:,} vertices")
         self._summary.setText(f"{self._character.character.format}: {'; '.join(facts)}.")
-        lines = [_sentence(text) for text in (*check.doubts, *check.lost, *check.remarks)]
+        lines = [sentence(text) for text in (*check.doubts, *check.lost, *check.remarks)]
         if check.unknown:
             lines.append(f"Not used: {', '.join(check.unknown)}.")
         self._notes.setText("\n".join(lines))
@@ -140,10 +141,3 @@ def _text() -> QLabel:
     label.setWordWrap(True)
     label.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
     return label
-
-
-def _sentence(text: str) -> str:
-    """A remark as a sentence; the name of a channel stays as it is."""
-    first, _, rest = text.partition(" ")
-    first = first if first in ARKIT_CHANNELS else f"{first[:1].upper()}{first[1:]}"
-    return f"{first} {rest}."

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.commands.file_dialogs import open_name, save_name
-from faceedit_app.ui.look.texts import plain_entry, plain_tip
+from faceedit_app.ui.look.texts import plain_entry, plain_tip, sentence
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
     box = QMessageBox(QMessageBox.Icon.Information, "Exported", "", parent=parent)
     box.setTextFormat(Qt.TextFormat.PlainText)
     box.setText(f"Exported {path.name}")
-    box.setInformativeText("\n".join(lines))
+    box.setInformativeText("\n\n".join(map(sentence, lines)))
     box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     box.open()

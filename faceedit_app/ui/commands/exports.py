@@ -93,7 +93,7 @@ class Exports:
             if document.session is session:
                 document.exported = path
             self._done(path, left)
-            lines = [*written.remarks, *form.hints(written.clip.rate)]
+            lines = [*written.said("View > Follow the head"), *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)
 
         def write(_advance: Advance, stopped: Stopped) -> Exported:

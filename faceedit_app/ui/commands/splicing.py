@@ -10,6 +10,7 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
+from faceedit_app.ui.look.texts import sentence
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.edits.splice import Splice
@@ -122,7 +123,7 @@ class SpliceCommands:
     def _offer(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
         """Say what was written, and offer to open it."""
         self._workspace.preferences.set_folder("export", written.path.resolve().parent)
-        text = ". ".join((f"Wrote {written.names}", *written.remarks))
+        text = " ".join(map(sentence, (f"Wrote {written.names}", *written.remarks)))
         self._workspace.message.emit(text)
 
         def open_it() -> None:

@@ -7,6 +7,8 @@ import html
 from PySide6.QtGui import Qt
 from PySide6.QtWidgets import QLabel
 
+from faceedit_app.core.arkit import ARKIT_CHANNELS
+
 
 def plain_label(text: str = "") -> QLabel:
     """A label that shows any text as it is."""
@@ -28,3 +30,10 @@ def plain_tip(text: str) -> str:
 def plain_entry(text: str) -> str:
     """A menu entry that shows any text as it is: `&` would underline what follows it."""
     return text.replace("&", "&&")
+
+
+def sentence(text: str) -> str:
+    """A remark as a sentence; the name of a channel stays as it is."""
+    first, gap, rest = text.partition(" ")
+    first = first if first in ARKIT_CHANNELS else f"{first[:1].upper()}{first[1:]}"
+    return f"{first}{gap}{rest.removesuffix('.')}."
