@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from support.curves import LEFT
+from support.curves import LEFT, drag, let_go, place
 from support.windows import Bench, bench, drag_curve
 
 from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS, OPTIONAL_CONTROLS
@@ -86,6 +86,45 @@ def test_focusing_one_unfolds_them(window: MainWindow, panel: CurvesPanel) -> No
     window.actions_[f"curve_{CONTROL_INDEX[BROW] + 1}"].trigger()
     assert panel.plots[CONTROL_INDEX[BROW]].isVisible()
     assert window.focusWidget() is panel.plots[CONTROL_INDEX[BROW]]
+
+
+def is_in_view(panel: CurvesPanel, control: str) -> bool:
+    """Whether all of a row is inside the scrolled area."""
+    plot, area = panel.plots[CONTROL_INDEX[control]], panel._rows.viewport()
+    place = QRect(plot.mapTo(area, QPoint(0, 0)), plot.size())
+    return bool(area.rect().contains(place))
+
+
+@pytest.mark.parametrize("way", ["unfold_curves", f"curve_{CONTROL_INDEX[BROW] + 1}"])
+def test_in_a_low_window_the_rows_that_appear_are_scrolled_into_view(
+    window: MainWindow, panel: CurvesPanel, way: str
+) -> None:
+    window.resize(960, 510)
+    QApplication.processEvents()
+    window.actions_[way].trigger()
+    assert panel._rows.verticalScrollBar().maximum() > 0, "the window is not low enough to tell"
+    for control in OPTIONAL_CONTROLS if way == "unfold_curves" else (BROW,):
+        assert is_in_view(panel, control)
+
+
+def test_in_a_low_window_the_numbers_beside_the_handle_are_not_cut(
+    window: MainWindow, panel: CurvesPanel
+) -> None:
+    window.resize(960, 510)
+    QApplication.processEvents()
+    window.actions_["unfold_curves"].trigger()
+    QApplication.processEvents()
+    plot = panel.plots[0]
+    for seconds in (0.05, 1.5, 2.95):
+        start = place(plot, seconds, 5.0)
+        drag(plot, start, start - QPoint(0, 15), release=False, previews=True)
+        numbers, handle, scale = plot._numbers, plot.handle, plot.current_scale
+        assert handle is not None
+        assert "asked" in numbers._lines[-1]
+        box = numbers._box.translated(scale.x_of(handle.time), scale.y_of(handle.value))
+        assert plot.view.rect().contains(box), seconds
+        panel.cancel_drag()
+        let_go(plot, start)
 
 
 def test_folded_curves_are_not_read_and_catch_up(

@@ -28,7 +28,7 @@ from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
-from faceedit_app.ui.curves.paint import draw_tag, tag_box
+from faceedit_app.ui.curves.paint import draw_tag, fitting, tag_box
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.view_item import MeasuredItem, ViewItem
 from faceedit_app.ui.look.guard import guarded
@@ -303,7 +303,8 @@ class Numbers(QGraphicsItem):
             return
         self.prepareGeometryChange()
         place = QPointF(scale.x_of(point.x()), scale.y_of(point.y()))
-        self._lines, self._box = lines, tag_box(place, scale, lines, self._font)
+        self._lines = fitting(lines, scale, self._font)
+        self._box = tag_box(place, scale, self._lines, self._font)
         self._box.translate(-place)
         self.setPos(point)
 

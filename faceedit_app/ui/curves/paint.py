@@ -11,6 +11,7 @@ from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
 
 _APART = 14.0  # pixels between a point and its numbers
+_AROUND = 6.0  # pixels above and below numbers, together
 
 
 def draw_selection(painter: QPainter, scale: Scale, span: Span) -> None:
@@ -39,14 +40,20 @@ def draw_playhead(painter: QPainter, scale: Scale, seconds: float) -> None:
     painter.drawLine(QPointF(x, 0), QPointF(x, scale.height))
 
 
+def fitting(lines: tuple[str, ...], scale: Scale, font: QFont) -> tuple[str, ...]:
+    """Lines of numbers, in one line if the strip is too low for all of them."""
+    height = QFontMetricsF(font).height() * len(lines) + _AROUND
+    return (" · ".join(lines),) if height > scale.height else lines
+
+
 def tag_box(at: QPointF, scale: Scale, lines: tuple[str, ...], font: QFont) -> QRectF:
     """The box for lines of numbers: right of a pixel, or left of it if there is no room."""
     metrics = QFontMetricsF(font)
     width = max(metrics.horizontalAdvance(line) for line in lines) + 12.0
-    height = metrics.height() * len(lines) + 6.0
+    height = metrics.height() * len(lines) + _AROUND
     left = at.x() + _APART
     if left + width > scale.width:
-        left = at.x() - _APART - width
+        left = max(at.x() - _APART - width, 0.0)
     top = min(max(at.y() - height / 2, 2.0), max(scale.height - height - 2.0, 2.0))
     return QRectF(left, top, width, height)
 

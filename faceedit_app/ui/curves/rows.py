@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
 
 from faceedit_app.ui.curves import style
@@ -62,6 +62,18 @@ class Rows(QScrollArea):
             self._grid.setRowStretch(row, int(is_shown))  # a hidden row keeps its share otherwise
             header.setVisible(is_shown)
             plot.setVisible(is_shown)
+
+    def scroll_to(self, controls: Collection[str]) -> None:
+        """Scroll the rows of these controls into view, the first of them at least."""
+        if not self.isVisible():  # a window that opens shows its first rows
+            return
+        # Rows that have just been shown have no place yet: measure them now.
+        QCoreApplication.sendEvent(self, QEvent(QEvent.Type.LayoutRequest))
+        self._grid.activate()
+        rows = [plot for _, plot in self._pairs.values() if plot.control.id in controls]
+        for plot in reversed(rows):  # `ensureWidgetVisible` looks only at a view's text cursor
+            self.ensureVisible(0, plot.geometry().bottom() + 1, 0, 0)
+            self.ensureVisible(0, plot.geometry().top(), 0, 0)
 
     def _keep_width(self, _first: int, last: int) -> None:
         self._grid.setContentsMargins(0, 0, 0 if last else style.RIGHT_MARGIN, 0)

@@ -91,11 +91,14 @@ class ShownCurves(QObject):
             self.unfold(True)
         if control not in self._chosen:
             self._show(self._chosen | {control})
+        self._rows.scroll_to({control})
 
     def unfold(self, wanted: bool) -> None:
         """Show the optional curves, or fold them away; the user wants it so from now on."""
         if self._head.isEnabled():
             self._fold(wanted)
+            if wanted:
+                self._rows.scroll_to(_OPTIONAL)
             self.unfolded.emit(wanted)
 
     def _fold(self, wanted: bool) -> None:
