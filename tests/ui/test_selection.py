@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
 from pytestqt.qtbot import QtBot
 from support.curves import (
     ALT,
@@ -182,6 +183,49 @@ def test_numbers_are_typed(panel: CurvesPanel) -> None:
     line.select(None)
     assert fields.start.text() == "–"
     assert Timeline().falloff == Timeline().falloff_out
+
+
+def type_in(box: QWidget, text: str) -> None:
+    box.setFocus()
+    QTest.keyClick(box, Qt.Key.Key_A, CTRL)
+    QTest.keyClicks(box, text)
+    QTest.keyClick(box, Qt.Key.Key_Return)
+
+
+@pytest.mark.parametrize(
+    ("before", "typed", "after"),
+    [
+        (None, ("start 3.00", "end 0.50"), (0.5, 3.0)),
+        (None, ("end 0.50", "start 3.00"), (0.5, 3.0)),
+        ((1.0, 2.0), ("start 3.00", "end 3.50"), (3.0, 3.5)),
+        ((2.0, 3.0), ("end 1.00", "start 0.50"), (0.5, 1.0)),
+        ((1.0, 2.0), ("end 0.50",), (0.5, 0.5)),
+    ],
+)
+def test_two_typed_times_are_a_range_in_either_order(
+    panel: CurvesPanel,
+    before: tuple[float, float] | None,
+    typed: tuple[str, ...],
+    after: tuple[float, float],
+) -> None:
+    """An end that was not typed comes along with the other one."""
+    panel.timeline.select(before)
+    for text in typed:
+        which, number = text.split()
+        type_in(panel.fields.start if which == "start" else panel.fields.end, number)
+    assert panel.timeline.selection == pytest.approx(after)
+    assert float(panel.fields.start.text()) == pytest.approx(after[0])
+    assert float(panel.fields.end.text()) == pytest.approx(after[1])
+
+
+def test_a_typed_range_scrolls_into_view(panel: CurvesPanel) -> None:
+    line = panel.timeline
+    line.select(None)
+    line.show_range(0.0, 1.0)
+    type_in(panel.fields.start, "2.80")
+    type_in(panel.fields.end, "3.20")
+    assert line.view[0] <= 2.8 < 3.2 <= line.view[1]
+    assert line.view[1] - line.view[0] == pytest.approx(1.0)
 
 
 def test_an_edit_of_the_selection_has_both_falloffs(panel: CurvesPanel) -> None:

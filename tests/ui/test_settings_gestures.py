@@ -260,6 +260,22 @@ def test_a_sound_that_is_dragged_back_is_no_step_and_costs_no_redo(bench: Bench)
     assert (session.weights == weights).all()
 
 
+def test_both_ends_of_a_typed_range_are_one_step(window: MainWindow) -> None:
+    session, editor = session_of(window), editor_of(window)
+    editor.edits.select(0)
+    was, fields = session.edits, editor.curves.fields
+    for box, key in ((fields.start, Qt.Key.Key_Down), (fields.end, Qt.Key.Key_Up)):
+        press_key(box, key, 2)
+        QTest.keyClick(box, Qt.Key.Key_Return)
+    (edit,) = session.edits
+    assert (edit.start, edit.end) == pytest.approx((was[0].start - 0.1, was[0].end + 0.1))
+    press_key(fields.fade_in, Qt.Key.Key_Up)
+    trigger(window, "undo")
+    assert session.edits == (edit,), "a falloff is another step"
+    trigger(window, "undo")
+    assert session.edits == was
+
+
 def test_a_typed_range_of_an_edit_is_one_step_until_enter(window: MainWindow) -> None:
     session, editor = session_of(window), editor_of(window)
     editor.edits.select(0)

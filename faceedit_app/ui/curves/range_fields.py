@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWi
 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import Span
+from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.time_box import TimeBox
 from faceedit_app.ui.look.number import NumberBox
@@ -21,7 +22,7 @@ class RangeFields(QWidget):
     """Four number fields, in two rows beside the ruler.
 
     Signals:
-        left(): Enter was pressed or the focus was lost, which ends a gesture on a number.
+        left(): numbers are set, and what is typed next is another step.
     """
 
     left = Signal()
@@ -34,6 +35,9 @@ class RangeFields(QWidget):
         self.start, self.end = TimeBox(timeline), TimeBox(timeline)
         self.fade_in, self.fade_out = NumberBox(), NumberBox()
         self._boxes = self.start, self.end, self.fade_in, self.fade_out
+        self._setting: TimeBox | None = None  # the end that is being set
+        self._typed: set[TimeBox] = set()  # ends that are set; the other one belongs to the step
+        self._made: Interval | None = None  # the selection that they made
         names = "Selection start", "Selection end", "Falloff in", "Falloff out"
         for box, name in zip(self._boxes, names, strict=True):
             self._prepare(box, name)
@@ -43,8 +47,10 @@ class RangeFields(QWidget):
         self._lay_out((self._range_label, self.start, self.end), (falloff_label, *self._boxes[2:]))
         for box in (self.start, self.end):
             box.valueChanged.connect(self._select)
+            box.editingFinished.connect(lambda box=box: self._leave_end(box))
         for box in (self.fade_in, self.fade_out):
             box.valueChanged.connect(self._fade)
+            box.editingFinished.connect(self._leave_range)
         timeline.selection_changed.connect(self.sync)
         timeline.falloff_changed.connect(self.sync)
         timeline.clock.changed.connect(self._show_unit)
@@ -80,7 +86,6 @@ class RangeFields(QWidget):
         box.setAccessibleName(name)
         box.setFont(style.scaled_font(self, _SIZE))
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        box.editingFinished.connect(self.left)
         # Enter returns the focus to the curves.
         box.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
 
@@ -151,18 +156,42 @@ class RangeFields(QWidget):
                 fade.setValue(seconds / self._frame)
 
     def _select(self) -> None:
-        """Move the end that was typed; the other one stays exactly where it is."""
+        """Move the end that was typed; the other one stays exactly where it is.
+
+        If they would pass each other, the other end comes along, unless it was typed just before:
+        then they change places.
+        """
         line = self._timeline
-        if self.sender() is self.start:
-            start = self._meant(self.start.value())
-            end = max(line.selection[1] if line.selection else start, start)
-        else:
-            end = self._meant(self.end.value())
-            start = min(line.selection[0] if line.selection else end, end)
-        self._edges.place(Span(start, end, line.falloff, line.falloff_out))
+        box, other = (
+            (self.start, self.end) if self.sender() is self.start else (self.end, self.start)
+        )
+        if box in self._typed or line.selection != self._made:
+            self._leave_range()
+        typed = self._meant(box.value())
+        start, end = line.selection or (typed, typed)
+        stays = end if box is self.start else start
+        if other not in self._typed:
+            stays = max(stays, typed) if box is self.start else min(stays, typed)
+        span = Span(min(typed, stays), max(typed, stays), line.falloff, line.falloff_out)
+        self._edges.place(span)
+        line.bring_into_view(span.start, span.end)
+        self._setting, self._made = box, line.selection
         self.sync()
 
+    def _leave_end(self, box: TimeBox) -> None:
+        """One end is set; the other one may follow, as part of the same step."""
+        if box is self._setting:
+            self._typed.add(box)
+
+    def _leave_range(self) -> None:
+        """Other numbers are another step."""
+        self._typed.clear()
+        self._setting = None
+        self.left.emit()
+
     def _fade(self) -> None:
+        if self._typed:
+            self._leave_range()
         line = self._timeline
         fade_in, fade_out = line.falloff, line.falloff_out
         if self.sender() is self.fade_in:

@@ -112,6 +112,13 @@ class Timeline(QObject):
             start = seconds - (0.05 if seconds > last else 0.95) * width
             self.show_range(start, start + width)
 
+    def bring_into_view(self, first: float, last: float) -> None:
+        """Scroll to a range of seconds, unless all of it is in view or it is too long for that."""
+        (start, end), middle = self.view, 0.5 * (first + last)
+        width = end - start
+        if not (start <= first and last <= end) and last - first <= width:
+            self.show_range(middle - width / 2, middle + width / 2)
+
     def show_range(self, first: float, last: float) -> None:
         """Make a range of seconds visible, kept within the take."""
         width = min(max(last - first, SHORTEST_VIEW), max(self.duration, SHORTEST_VIEW))
