@@ -8,8 +8,9 @@ import re
 from pathlib import Path
 
 from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QLabel, QWidget
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QLabel, QMessageBox, QWidget
 from support.contrast import unreadable_texts
 from support.dialogs import DIALOGS, look_at, questions
 from support.waiting import run_events
@@ -19,6 +20,7 @@ from faceedit_app import ui
 
 SMALL = (960, 500)  # pixels: 1920 x 1080 at twice the size, less a title bar
 AROUND = 6  # pixels beside a widget in which its focus may show
+NO_STANDARD = QMessageBox.StandardButton.NoButton
 MOST = 80  # stops of Tab
 NAME = re.compile(r"\b(take|talk|film|head|scan)\w*\.[a-z]\w+")  # of a file in these dialogs
 
@@ -86,6 +88,13 @@ def shows_focus(dialog: QDialog, stop: QWidget) -> bool:
     return lit != dialog.grab(around).toImage()
 
 
+def without_letter(box: QMessageBox) -> list[str]:
+    """The answers of a question that no letter of their own chooses; Esc is Cancel."""
+    texts = [b.text() for b in box.buttons() if box.standardButton(b) is NO_STANDARD]
+    letters = [QKeySequence.mnemonic(text).toString() for text in texts]
+    return [t for t, key in zip(texts, letters, strict=True) if not key or letters.count(key) > 1]
+
+
 def faults(dialog: QDialog) -> list[str]:
     run_events()
     seen, found = unreadable_texts(dialog)
@@ -99,6 +108,8 @@ def faults(dialog: QDialog) -> list[str]:
         found.append(f"needs {least.width()} x {least.height()} pixels")
     if isinstance(dialog, QFileDialog):  # its focus is Qt's affair
         return found
+    if isinstance(dialog, QMessageBox):
+        found += [f"no letter for {text}" for text in without_letter(dialog)]
     reached = stops(dialog)
     found += [f"Tab does not reach {widget}" for widget in not_reached(dialog, reached)]
     found += [

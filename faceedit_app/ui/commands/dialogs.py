@@ -143,8 +143,8 @@ def ask_stop_writing(parent: QWidget, names: Sequence[str]) -> bool:
     are, them = ("is", "it") if len(names) == 1 else ("are", "them")
     message = f"{' and '.join(names)} {are} still being written."
     box = _question(parent, message, f"If you stop now, nothing of {them} is kept.")
-    stop = box.addButton("Stop and close", QMessageBox.ButtonRole.DestructiveRole)
-    go_on = box.addButton("Keep writing", QMessageBox.ButtonRole.RejectRole)
+    stop = box.addButton("&Stop and close", QMessageBox.ButtonRole.DestructiveRole)
+    go_on = box.addButton("&Keep writing", QMessageBox.ButtonRole.RejectRole)
     return _insists(box, stop, go_on)
 
 
@@ -170,8 +170,8 @@ def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
         f"{path.name} {reason}.",
         f"If you overwrite it, the recording is kept as {path.name}.bak.",
     )
-    other = box.addButton("Choose another name…", QMessageBox.ButtonRole.AcceptRole)
-    overwrite = box.addButton("Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
+    other = box.addButton("&Choose another name…", QMessageBox.ButtonRole.AcceptRole)
+    overwrite = box.addButton("&Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
     return _insists(box, overwrite, other)
 
 
@@ -187,12 +187,12 @@ def ask_take_of_project(
     box = _question(parent, message, "Which take should the edits be applied to?")
     role = QMessageBox.ButtonRole
     paths = {
-        box.addButton(plain_entry(f"Use {path.name}"), role.AcceptRole): path
-        for path in choices[:3]
+        box.addButton(f"{use} {plain_entry(path.name)}", role.AcceptRole): path
+        for use, path in zip(("&Use", "U&se", "Us&e"), choices, strict=False)
     }
     for button, path in paths.items():
         button.setToolTip(plain_tip(str(path)))
-    look = box.addButton("Look for it…", role.ActionRole)
+    look = box.addButton("&Look for it…", role.ActionRole)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     box.exec()
     if box.clickedButton() is look:
@@ -213,10 +213,10 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     )
     role = QMessageBox.ButtonRole
     choices = {
-        box.addButton("Recover", role.AcceptRole): Recover.RECOVER,
-        box.addButton("Discard", role.DestructiveRole): Recover.DISCARD,
+        box.addButton("&Recover", role.AcceptRole): Recover.RECOVER,
+        box.addButton("&Discard", role.DestructiveRole): Recover.DISCARD,
     }
-    later = box.addButton("Ask later", role.RejectRole)
+    later = box.addButton("&Ask later", role.RejectRole)
     box.setEscapeButton(later)
     box.exec()
     clicked = box.clickedButton()
@@ -274,8 +274,8 @@ def ask_take_or_character(parent: QWidget, name: str) -> OpenAs:
     box = _question(parent, f"{name} has a face and an animation.", "What should be opened?")
     role = QMessageBox.ButtonRole
     choices = {
-        box.addButton("The animation, as a take", role.AcceptRole): OpenAs.TAKE,
-        box.addButton("The face, as your character", role.AcceptRole): OpenAs.CHARACTER,
+        box.addButton("The &animation, as a take", role.AcceptRole): OpenAs.TAKE,
+        box.addButton("The &face, as your character", role.AcceptRole): OpenAs.CHARACTER,
     }
     return _choice(box, choices, OpenAs.CANCEL)
 
@@ -323,11 +323,11 @@ def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
         )
     box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
-    save = box.addButton("Save project…", role.AcceptRole)
+    save = box.addButton("&Save project…", role.AcceptRole)
     choices = {
         save: Unsaved.SAVE,
-        box.addButton("Export…", role.AcceptRole): Unsaved.EXPORT,
-        box.addButton("Discard", role.DestructiveRole): Unsaved.DISCARD,
+        box.addButton("&Export…", role.AcceptRole): Unsaved.EXPORT,
+        box.addButton("&Discard", role.DestructiveRole): Unsaved.DISCARD,
     }
     box.setDefaultButton(save)
     return _choice(box, choices, Unsaved.CANCEL)
@@ -339,8 +339,8 @@ def ask_changed(parent: QWidget, name: str) -> Changed:
     box = _question(parent, message, "If you replace it, those changes are lost.")
     role = QMessageBox.ButtonRole
     choices = {
-        box.addButton("Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
-        box.addButton("Replace", role.DestructiveRole): Changed.REPLACE,
+        box.addButton("&Save under another name…", role.AcceptRole): Changed.ELSEWHERE,
+        box.addButton("&Replace", role.DestructiveRole): Changed.REPLACE,
     }
     return _choice(box, choices, Changed.CANCEL)
 

@@ -179,5 +179,5 @@ def counting_box(parent: QWidget) -> QMessageBox:
     """A window that says how long a recording is, with Stop."""
     box = QMessageBox(QMessageBox.Icon.NoIcon, "Record from phone", "", parent=parent)
     box.setTextFormat(Qt.TextFormat.PlainText)  # a name may look like a tag
-    box.setEscapeButton(box.addButton("Stop", QMessageBox.ButtonRole.AcceptRole))
+    box.setEscapeButton(box.addButton("&Stop", QMessageBox.ButtonRole.AcceptRole))
     return box
