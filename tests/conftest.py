@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 # Torch's builds for graphics cards bring triton, which has an LLVM of its own and crashes if it is
 # loaded after the one that software OpenGL brings. Nothing but a test run has both in a process.
@@ -31,6 +32,11 @@ _collected = 0
 
 def pytest_configure() -> None:
     gc.disable()
+    # The same examples each time, and no failure because a computer is busy.
+    settings.register_profile(
+        "tests", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+    )
+    settings.load_profile("tests")
 
 
 def pytest_collection_finish() -> None:
