@@ -124,11 +124,11 @@ def media_of(take: Take, sound: Path | None = None, film: Path | None = None) ->
         item = Film(film)
         code = item.timecode
         begins = None if code is None else time_of_day(code, round(item.rate))
-        placed[film] = MediaFile(film, offset_by_clock(began, begins, item.duration))
+        placed[film] = MediaFile(film, offset_by_clock(began, begins, item.duration, take.lead))
         item.close()
     if heard is not None and heard not in placed:
         track = read_sound(heard)
-        at = 0.0 if track is None else offset_by_clock(began, track.began, track.end)
+        at = 0.0 if track is None else offset_by_clock(began, track.began, track.end, take.lead)
         placed[heard] = MediaFile(heard, at)
     return Placement(placed[heard] if heard else None, placed[film] if film else None)
 

@@ -88,4 +88,5 @@ def open_sound(take: Take) -> tuple[Sound, float] | None:
         pictures = Film(path)
         code, lasts = pictures.timecode, pictures.duration
         began = None if code is None else time_of_day(code, round(pictures.rate))
-    return sound, offset_by_clock(start_of_day(codes) if codes else None, began, lasts)
+    day = start_of_day(codes) if codes else None
+    return sound, offset_by_clock(day, began, lasts, take.lead)

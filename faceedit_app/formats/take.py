@@ -116,6 +116,7 @@ class Take:
         fps: the frame rate that the user gave, if any.
         kind: `registry.Format.name` of its format.
         lost_rows: the rows that a fill can give weights to; None if the file has none.
+        lead: seconds that the file has before its first face, which is at 0 s of the clip.
     """
 
     path: Path
@@ -127,6 +128,7 @@ class Take:
     fps: float | None = None
     kind: str = ""
     lost_rows: LostRows | None = None
+    lead: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -219,8 +221,9 @@ def finish_take(
         *_misspelled_notes(recording),
         *_unsure_notes(recording.confidence),
     )
+    lead = float(np.argmin(recording.lost)) / timing.rate if len(recording.lost) else 0.0
     carried = recording.carried
-    return Take(path, recording.format, clip, carried, notes, source(scale), fps)
+    return Take(path, recording.format, clip, carried, notes, source(scale), fps, lead=lead)
 
 
 def _rate_notes(timing: Timing) -> tuple[str, ...]:

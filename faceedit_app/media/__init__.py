@@ -57,15 +57,20 @@ def _without_suffix(stem: str) -> str:
     return next((stem.removesuffix(a) for a in _ADDED if stem.endswith(a) and stem != a), stem)
 
 
-def offset_by_clock(take: float | None, began: float | None, lasts: float) -> float:
-    """When a sound or film begins in a take, by the time of day; 0 if the clocks do not say.
+def offset_by_clock(
+    take: float | None, began: float | None, lasts: float, lead: float = 0.0
+) -> float:
+    """When a sound or film begins in a take, by the time of day.
+
+    If the clocks do not say, it begins with the file of the take, which may have no face at first.
 
     Args:
         take, began: when take and file began, in seconds since midnight, if known.
         lasts: seconds of the file.
+        lead: seconds of the take's file before its first face, see `Take.lead`.
     """
     if take is None or began is None:
-        return 0.0
+        return 0.0 - lead if lead < lasts else 0.0
     offset = round(began - take, 4)
     # If the clocks disagree, the offset would move it out of sight.
     return offset if -lasts < offset < _NEAR else 0.0

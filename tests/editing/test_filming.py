@@ -277,6 +277,20 @@ def test_what_lies_beside_a_take_is_placed_by_its_clock(tmp_path: Path) -> None:
     assert placed.offset == pytest.approx(0.5, abs=0.02)
 
 
+def test_sound_without_a_clock_begins_with_the_file_of_a_take_that_has_no_face_at_first(
+    tmp_path: Path,
+) -> None:
+    take = open_take(make_livelink_csv(tmp_path / "take.csv", untracked=range(30)))
+    make_wav(tmp_path / "take.wav")
+    placed = media_of(take).sound
+    assert placed is not None
+    assert placed.offset == pytest.approx(-0.5, abs=1e-6)
+    make_broadcast_wav(tmp_path / "take.wav", 12 * 3600 + 0.5)
+    placed = media_of(take).sound
+    assert placed is not None
+    assert placed.offset == pytest.approx(0.0, abs=0.02)
+
+
 def test_the_command_films_a_take(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     take = make_livelink_csv(tmp_path / "take.csv")
     make_wav(tmp_path / "take.wav")

@@ -166,7 +166,7 @@ class TakeCommands:
         """
         codes = take.clip.timecodes
         began = start_of_day(codes) if codes else None
-        self._media.follow(take.path, began, placement)
+        self._media.follow(take.path, began, placement, take.lead)
         dropped, self._dropped = self._dropped, []
         for path in dropped:
             self._media.add(path)

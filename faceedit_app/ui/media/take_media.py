@@ -97,6 +97,7 @@ class TakeMedia(QObject):
         # Files that are missing or still being read: saving must not lose them.
         self._kept: dict[Kind, MediaFile] = {}
         self._began: float | None = None
+        self._lead = 0.0
         self._found = ""  # message for when everything is read
         self._job = 0  # results for an earlier take are ignored
         self.pending = 0
@@ -113,7 +114,11 @@ class TakeMedia(QObject):
     # --- another take ------------------------------------------------------------------------
 
     def follow(
-        self, take: Path, began: float | None = None, placement: Placement | None = None
+        self,
+        take: Path,
+        began: float | None = None,
+        placement: Placement | None = None,
+        lead: float = 0.0,
     ) -> None:
         """Another take is open: drop the previous sound and film, and load those of this one.
 
@@ -121,9 +126,10 @@ class TakeMedia(QObject):
             began: its first timecode as seconds since midnight. A film with timecode and a
                 Broadcast WAV are placed by it.
             placement: the project's; None: the files found beside the take.
+            lead: seconds of its file before its first face.
         """
         self.clear()
-        self._began = began
+        self._began, self._lead = began, lead
         self.overlay.follow(take.absolute())
         sound, film = beside(take.absolute())
         found = [path for path in (film, sound) if path is not None]
@@ -226,7 +232,7 @@ class TakeMedia(QObject):
                 self.base = replace(self.base, **{kind: MediaFile(path, offset)})
 
     def _by_clock(self, item: Film | Sound) -> float:
-        """Offset of film or sound by the time of day, or 0 if take or file does not record it."""
+        """Offset of film or sound by the time of day, if take and file record it."""
         from faceedit_app.media.sound import Sound
 
         if isinstance(item, Sound):
@@ -235,7 +241,7 @@ class TakeMedia(QObject):
             code = item.timecode
             begins = None if code is None else time_of_day(code, round(item.rate))
             lasts = item.duration
-        return offset_by_clock(self._began, begins, lasts)
+        return offset_by_clock(self._began, begins, lasts, self._lead)
 
     def _announce(self) -> None:
         """Emit the message once the last file is read."""
