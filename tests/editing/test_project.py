@@ -261,6 +261,16 @@ def test_missing_take_is_reported_and_files_of_its_name_offered(take: Path, tmp_
     assert len(located.message.splitlines()) == 1
 
 
+def test_a_backup_beside_the_project_is_preferred_to_a_copy_elsewhere(
+    take: Path, tmp_path: Path
+) -> None:
+    project, path = saved(take, tmp_path)
+    (tmp_path / "copies").mkdir()
+    shutil.copy(take, tmp_path / "copies" / take.name)
+    near = take.rename(take.with_name(f"{take.name}.bak"))
+    assert locate_take(project, path).path == near
+
+
 def test_search_ends_where_folders_run_in_circles(take: Path, tmp_path: Path) -> None:
     project, path = saved(take, tmp_path)
     take.unlink()

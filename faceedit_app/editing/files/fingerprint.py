@@ -109,7 +109,7 @@ def is_same_file(one: Path, other: Path) -> bool:
 def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> Path | None:
     """Search folders and their subfolders for a file: by its name first, then by its ending.
 
-    Copies whose names have something added, such as `take.csv.bak`, are found as well.
+    A backup counts as named like its original. Copies with other names are found as well.
 
     Args:
         wanted: its fingerprint.
@@ -123,10 +123,11 @@ def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> 
     alike = []
     for path in _files_below(folders):
         if _ending(path) == ending and _size(path) == wanted.size:
-            if path.name == name and _is(path, wanted):
+            if _original(path).name != name:
+                alike.append(path)
+            elif _is(path, wanted):
                 return path
-            alike.append(path)
-    return next((path for path in alike if path.name != name and _is(path, wanted)), None)
+    return next((path for path in alike if _is(path, wanted)), None)
 
 
 def find_by_name(name: str, folders: Iterable[Path]) -> tuple[Path, ...]:
@@ -168,9 +169,13 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
 
 def _ending(path: Path) -> str:
     """The ending in lower case; that of a backup is its original's."""
-    if path.suffix.rstrip("0123456789") == BACKUP_SUFFIX:
-        path = path.with_suffix("")
-    return path.suffix.lower()
+    return _original(path).suffix.lower()
+
+
+def _original(path: Path) -> Path:
+    """What a file is the backup of, or the file."""
+    is_backup = path.suffix.rstrip("0123456789") == BACKUP_SUFFIX
+    return path.with_suffix("") if is_backup else path
 
 
 def _size(path: Path) -> int:
