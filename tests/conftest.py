@@ -21,13 +21,13 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 from support.media import devices
 from support.windows import bench
 
+from faceedit_app.ui.start.application import Garbage
+
 __all__ = ["bench", "devices"]
 
 # Garbage is collected between tests, in the main thread, as the application's `Collector` does: a
 # thread of a window's that happens to collect would delete the plots of earlier windows, and crash.
-_MANY = gc.get_threshold()[0]  # new objects that make Python collect
-_ALL = 20  # collections of new objects until all are looked through
-_collected = 0
+_garbage = Garbage()
 
 
 def pytest_configure() -> None:
@@ -47,8 +47,5 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_teardown() -> Iterator[None]:
-    global _collected
     yield
-    if gc.get_count()[0] > _MANY:
-        _collected += 1
-        gc.collect(2 if _collected % _ALL == 0 else 1)
+    _garbage.collect()

@@ -143,16 +143,19 @@ def keep_inputs(
         if path is None or not path.is_file():
             continue
         for other in inputs:
-            if _is_same(path, other) or _is_same(Path(os.path.realpath(path)).parent, other):
+            if is_same_file(path, other) or is_same_file(
+                Path(os.path.realpath(path)).parent, other
+            ):
                 problem = "would be written over, but it is read here as well"
                 raise FileError(path, problem, remedy)
 
 
-def _is_same(path: Path, other: Path) -> bool:
+def is_same_file(one: Path, other: Path) -> bool:
+    """Whether two paths name the same file, or would if it existed."""
     try:
-        return os.path.samefile(path, other)
+        return one.samefile(other)
     except (OSError, ValueError):
-        return False
+        return os.path.realpath(one) == os.path.realpath(other)
 
 
 def _permissions(path: Path) -> int:

@@ -56,7 +56,7 @@ class Recorder:
             raise FileError(path, "exists", "choose a new name for the recording") from error
         except OSError as error:
             self._receiver.close()
-            raise self._explained(error) from error
+            raise not_written(self.path, error) from error
         self._stop = threading.Event()
         self._begin: float | None = None  # second of the day of the first frame
         self._sent: float | None = None  # the last frame's time by the sender's clock
@@ -100,7 +100,7 @@ class Recorder:
                     heard = now
                     self._receiver.greet()
         except OSError as error:
-            self.error = self._explained(error)
+            self.error = not_written(self.path, error)
 
     def _write(self, pose: Pose, now: float) -> None:
         if self._begin is None:
@@ -127,7 +127,4 @@ class Recorder:
         try:
             self._file.close()
         except OSError as error:
-            self.error = self._explained(error)
-
-    def _explained(self, error: OSError) -> FileError:
-        return not_written(self.path, error)
+            self.error = not_written(self.path, error)

@@ -13,7 +13,7 @@ from psygnal import Signal
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import is_same_file, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Rig
@@ -23,7 +23,6 @@ from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
     fingerprint_of,
     fingerprint_of_content,
-    is_same_file,
 )
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.history import EditHistory

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Floats, Times
-from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resample import at_rate
 from faceedit_app.formats.gaps import find_gaps
@@ -36,23 +35,6 @@ class Converted:
     is_own: bool = False
     is_styled: bool = False
     note: str = ""
-
-
-def convert(
-    path: Path,
-    take: Take,
-    form: Format,
-    rate: float | None = None,
-    edited: Clip | None = None,
-) -> Clip:
-    """Write a take in a format, and return its clip as written; see `converted`.
-
-    Raises:
-        FileError: the file cannot be written.
-    """
-    found = converted(path, take, form, rate, edited)
-    write_atomically(path, found.content)
-    return found.clip
 
 
 def converted(

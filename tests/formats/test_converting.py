@@ -16,13 +16,22 @@ from support.takes import livelink_names, make_livelink_csv, make_plain_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.formats.converting import convert
+from faceedit_app.core.clip import Clip
+from faceedit_app.formats.converting import converted
 from faceedit_app.formats.opening import open_take
-from faceedit_app.formats.registry import writable
+from faceedit_app.formats.registry import Format, writable
+from faceedit_app.formats.take import Take
 
 WEIGHTS = recordings.face(60)
 
 FORMATS = {form.key: form for form in writable()}
+
+
+def convert(path: Path, take: Take, form: Format, rate: float | None = None) -> Clip:
+    """Write a take in a format; returns its clip as written."""
+    found = converted(path, take, form, rate)
+    path.write_bytes(found.content)
+    return found.clip
 
 
 @pytest.fixture

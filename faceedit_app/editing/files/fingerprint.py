@@ -98,14 +98,6 @@ def fingerprint_of_content(content: bytes) -> Fingerprint:
     return Fingerprint(len(content), hashlib.sha256(content).hexdigest())
 
 
-def is_same_file(one: Path, other: Path) -> bool:
-    """Whether two paths name the same file, or would if it existed."""
-    try:
-        return one.samefile(other)
-    except (OSError, ValueError):
-        return os.path.realpath(one) == os.path.realpath(other)
-
-
 def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> Path | None:
     """Search folders and their subfolders for a file: by its name first, then by its ending.
 

@@ -48,6 +48,19 @@ def keep_for_good() -> None:
     gc.freeze()
 
 
+class Garbage:
+    """Collects garbage when it is asked to, as often as Python would by itself."""
+
+    def __init__(self) -> None:
+        self._collected = 0
+
+    def collect(self) -> None:
+        """Collect if there are as many new objects as would make Python do so."""
+        if gc.get_count()[0] > _MANY:
+            self._collected += 1
+            gc.collect(2 if self._collected % _ALL == 0 else 1)
+
+
 class Collector(QTimer):
     """Collects garbage in the GUI thread, and in no other, from `begin` to `end`.
 
@@ -57,9 +70,9 @@ class Collector(QTimer):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent, interval=_EVERY)
-        self._collected = 0
+        self._garbage = Garbage()
         self._interrupts = False  # Python's own collecting
-        self.timeout.connect(self.collect)
+        self.timeout.connect(self._garbage.collect)
 
     def begin(self) -> None:
         """Collect from now on; Python itself no longer does."""
@@ -72,12 +85,6 @@ class Collector(QTimer):
         self.stop()
         if self._interrupts:
             gc.enable()
-
-    def collect(self) -> None:
-        """Collect if there are as many new objects as would make Python do so."""
-        if gc.get_count()[0] > _MANY:
-            self._collected += 1
-            gc.collect(2 if self._collected % _ALL == 0 else 1)
 
 
 @contextlib.contextmanager

@@ -188,7 +188,8 @@ class Document(QObject):
 
         True only for the open take and its project; a file that is gone has not changed.
         """
-        from faceedit_app.editing.files.fingerprint import KnownFile, is_same_file
+        from faceedit_app.core.atomic import is_same_file
+        from faceedit_app.editing.files.fingerprint import KnownFile
 
         session = self.session
         if session is not None and is_same_file(path, session.take.path):
