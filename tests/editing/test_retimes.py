@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -56,6 +57,22 @@ def test_speed_is_continuous_at_the_ends() -> None:
 def test_half_strength_goes_half_the_way() -> None:
     clock = Clock(replace(STRETCH, strength=0.5))
     assert clock.moments(np.array([2.75, 4.25])) == pytest.approx([3.0, 4.0])
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda clip, span: retime.cut(clip, span),
+        lambda clip, span: retime.stretched(clip, span, 0.8),
+    ],
+)
+def test_a_selection_may_end_some_rounding_beyond_the_take(
+    made: Callable[[Clip, tuple[float, float]], Edit],
+) -> None:
+    clip = clip_of(30.0)
+    clip = replace(clip, times=clip.times - clip.times[-1] + 8.00005)  # at half of the last digit
+    last = float(clip.times[-1])
+    assert made(clip, (last - 0.5, last + 1e-12)).pins
 
 
 # --- the result ------------------------------------------------------------------------------

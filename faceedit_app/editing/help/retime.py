@@ -69,16 +69,26 @@ def moved(clip: Clip, span: Range, by: float, pad: float = LEAST_PAD) -> Edit:
 
 
 def _first_possible(clip: Clip, span: Range, ways: Sequence[Range], pad: float) -> Edit:
-    check_inside(clip, *span)
+    span = _inside(clip, span)
     for goal in ways:
         near = nearest(clip, span, goal)
         if max(abs(near[0] - goal[0]), abs(near[1] - goal[1])) < _SMALLEST:
-            return retime(clip, span, goal, pad)
+            return retime(clip, span, near, pad)
     first, last = nearest(clip, span, ways[0])
     raise FaceEditError(
         f"The take beside {span[0]:.2f} to {span[1]:.2f} s has no room for that; "
         f"it could go to {first:.2f} to {last:.2f} s"
     )
+
+
+def _inside(clip: Clip, span: Range) -> Range:
+    """The part of a range that is inside the take: a selection may end some rounding beyond it.
+
+    Raises:
+        FaceEditError: it is outside the take.
+    """
+    check_inside(clip, *span)
+    return max(span[0], float(clip.times[0])), min(span[1], float(clip.times[-1]))
 
 
 def nearest(clip: Clip, span: Range, goal: Range) -> Range:
@@ -140,8 +150,7 @@ def cut(clip: Clip, span: Range, pad: float = LEAST_PAD) -> Edit:
     Raises:
         FaceEditError: the take has no room on either side.
     """
-    start, end = span
-    check_inside(clip, *span)
+    start, end = _inside(clip, span)
     first, last = float(clip.times[0]), float(clip.times[-1])
     length = end - start
     if length <= 0:
@@ -175,7 +184,7 @@ def pause(clip: Clip, at: float, seconds: float, pad: float = LEAST_PAD) -> Edit
     Raises:
         FaceEditError: the take has no room on either side.
     """
-    check_inside(clip, at, at)
+    at = _inside(clip, (at, at))[0]
     first, last = float(clip.times[0]), float(clip.times[-1])
     if not seconds > 0:
         raise FaceEditError("A pause must be longer than 0 s")

@@ -17,6 +17,7 @@ from PySide6.QtCore import QCoreApplication
 
 from faceedit_app.core.fields import to_text
 from faceedit_app.editing.edits.edit import to_json
+from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import ViewState
@@ -27,6 +28,7 @@ from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover
 from faceedit_app.ui.start.application import application, collecting
+from faceedit_app.ui.state.document import Document
 
 PROJECT, EXPORTED = "work.faceedit", "exported.csv"
 
@@ -41,6 +43,19 @@ def _say(**what: object) -> None:
     print(json.dumps(what), flush=True)
 
 
+def _announce_saving(document: Document) -> None:
+    """Say when a project is being saved, by the victim or by the window's own commands."""
+    save = document.save_project
+
+    def announced(path: Path, view: ViewState, media: Placement) -> None:
+        state = state_of(document.session.state) if document.session is not None else ""
+        _say(begins="save", state=state)
+        save(path, view, media)
+        _say(did="save", state=state)
+
+    document.save_project = announced  # type: ignore[method-assign]
+
+
 def main(folder: Path, seed: int) -> None:
     """Work on `folder/take.csv` until killed."""
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -53,6 +68,7 @@ def main(folder: Path, seed: int) -> None:
         window = open_window(folder / "take.csv", folder)
         session, chance = session_of(window), random.Random(seed)
         monkey = Monkey(window, chance)
+        _announce_saving(window.document)
         _say(did="recover" if recovers else "open", state=state_of(session.state))
         session.stepped.connect(lambda state: _say(did="step", state=state_of(state)))
         while True:
@@ -60,11 +76,7 @@ def main(folder: Path, seed: int) -> None:
             QCoreApplication.processEvents()
             window.workspace.end_gestures()
             if chance.random() < 0.05:
-                state = state_of(session.state)
-                _say(begins="save", state=state)
-                media = window.media.placement
-                window.document.save_project(folder / PROJECT, ViewState(), media)
-                _say(did="save", state=state)
+                window.document.save_project(folder / PROJECT, ViewState(), window.media.placement)
             if chance.random() < 0.05:
                 _say(begins="export", state=state_of(session.state))
                 window.document.export(folder / EXPORTED)
