@@ -90,6 +90,28 @@ def test_closures_are_problems_with_their_fix(session: EditSession) -> None:
     assert not [problem for problem in find_problems(session) if problem.kind is Kind.LIPS]
 
 
+def kinds_of(session: EditSession) -> set[Kind]:
+    return {problem.kind for problem in find_problems(session)}
+
+
+def test_closures_in_quick_succession_are_not_taken_for_shaking() -> None:
+    words = said(("bob", "B AA B"), ("maple", "M EY P AH L"), ("bob", "B AA B"), each=0.09)
+    session = session_by_rig(mumbling_clip(words, rate=25.0))
+    session.say(words)
+    session.add(*closing_edits(session))
+    assert kinds_of(session) == set()
+    session.say(None)
+    assert Kind.JITTER in kinds_of(session)  # where nobody knows that lips should meet
+
+
+def test_a_mouth_that_shakes_while_it_speaks_is_found() -> None:
+    clip = mumbling_clip(WORDS)
+    noise = np.random.default_rng(0).normal(0.0, 0.03, (len(clip), 1))
+    session = session_by_rig(replace(clip, weights=np.maximum(clip.weights + noise, 0.0)))
+    session.say(WORDS)
+    assert Kind.JITTER in kinds_of(session)
+
+
 def test_closures_are_measured_and_fixed_on_the_character_that_is_shown(
     session: EditSession,
 ) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import UNSURE, Clip
-from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS, control_named
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
@@ -23,21 +23,19 @@ from faceedit_app.editing.help.events import (
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
 from faceedit_app.editing.help.on_character import Gap, gaps_on_character
+from faceedit_app.editing.help.shaking import find_shaking
 from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.solving.filters import moving_mean
 from faceedit_app.formats.timing import counted
 
-SHAKES = 0.15  # mm of ripple between frames
-# Ripple relative to the movement from frame to frame: 0.37 for noise, 0.18 for a wave at a quarter
-# of the frame rate, 0.5 at half of it.
-SHARE = 0.25
 SHAKE_WINDOW = 0.5  # seconds
 STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
 BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
 JUMP = 1.5  # mm across a gap that are noticeable
 TOGETHER = 0.3  # seconds; faults closer than this are reported as one
+_LIPS = control_named(LIP_OPENING).region
+_MOVE_WITH_LIPS: Bools = np.array([control_named(c).region == _LIPS for c in MAIN_CONTROLS])
 # What counts as entirely wrong, for `Problem.severity`.
 WIDE_APART = 5.0  # mm between lips that should meet
 VIOLENT = 1.5  # mm of shaking
@@ -123,7 +121,7 @@ def problems_of(
         *_spoken(spoken),
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
-        *_jitter(clip, main),
+        *_jitter(clip, main, spoken),
         *_dropped(clip, main, lost, edits),
         *_unsure(clip, confidence, edits),
     ]
@@ -210,12 +208,14 @@ def _on_character(gap: Gap) -> Problem:
     )
 
 
-def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
+def _jitter(clip: Clip, controls: Doubles, spoken: Sequence[Closure]) -> list[Problem]:
     if len(clip) < 5:
         return []
     window = max(round(SHAKE_WINDOW * clip.rate), 5)
-    ripple = _ripple(controls)
-    shaking = _shakes(ripple, controls, window)
+    closing = np.zeros(len(clip), np.bool_)
+    for closure in spoken:
+        closing |= np.abs(clip.times - closure.time) <= NEAR
+    ripple, shaking = find_shaking(controls, closing[:, None] & _MOVE_WITH_LIPS, window)
     found = []
     somewhere: Bools = np.any(shaking, axis=1)
     for first, last in _runs(somewhere, round(TOGETHER * clip.rate)):
@@ -234,30 +234,6 @@ def _jitter(clip: Clip, controls: Doubles) -> list[Problem]:
         size = f"{amount:.1f} mm", _share(amount, VIOLENT)
         found.append(Problem(Kind.JITTER, start, end, worst, ids, message, *size, (edit,)))
     return found
-
-
-def _shakes(ripple: Doubles, curves: Doubles, window: int) -> Bools:
-    """(T, C) where curves oscillate faster than any face.
-
-    Speech moves the lips at up to 8 Hz, which is a ripple too at 30 frames a second; it is shaking
-    where most of the movement is ripple.
-    """
-    # The median of the frames, not the mean: one fast movement is not shaking.
-    wide = (np.abs(ripple) > SHAKES).astype(np.float64)
-    often = moving_mean(wide, window) > 0.5
-    if not often.any():
-        return np.zeros(curves.shape, np.bool_)
-    moves = np.diff(curves, axis=0, prepend=curves[:1])
-    ripples, all_ = (moving_mean(part**2, window) for part in (ripple, moves))
-    shaking: Bools = often & (ripples > SHARE**2 * all_)
-    return shaking
-
-
-def _ripple(curves: Doubles) -> Doubles:
-    """(T, C) mm: the oscillation from frame to frame; slow movement is removed."""
-    x = np.pad(curves, ((2, 2), (0, 0)), mode="edge")
-    ripple: Doubles = (x[:-4] - 4 * x[1:-3] + 6 * x[2:-2] - 4 * x[3:-1] + x[4:]) / 16
-    return ripple
 
 
 def _dropped(
