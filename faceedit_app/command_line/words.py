@@ -104,19 +104,21 @@ def words(
         if output is not None:
             raise FaceEditError(f"{source}: is a sound; --fix and --retime-to need a take")
         transcript, seconds = _words_of_sound(source, said, spellings)
+        offset = 0.0
     else:
-        session, transcript = _words_of_take(source, said, spellings, fps)
-        seconds = session.take.clip.duration
+        session, transcript, offset, seconds = _words_of_take(source, said, spellings, fps)
         if character is not None:
             session.use_character(rig_of(character))
         if retime_to is not None:
-            found = _match(session, transcript, retime_to, their_text, spellings, their_start)
+            found, end = _match(session, transcript, retime_to, their_text, spellings, their_start)
             transcript, more["retime"] = found.words, _matched(found)
+            if end is not None:  # from now on, the take has the other sound
+                offset, seconds = found.offset, end
         more["closures"] = _closures(session, fix, output, models, overwrite)
         more |= {} if output is None else {"path": str(output)}
     _warn_of_noise(transcript)
     if save is not None:
-        write_words(save, transcript, seconds)
+        write_words(save, transcript.shifted(-offset), seconds)
     report = {**as_tables(transcript), **more, "noise_db": transcript.noise}
     say(json.dumps(report, indent=2) if as_json else _text(report))
 
@@ -177,18 +179,21 @@ def _words_of_sound(
 
 def _words_of_take(
     path: Path, said: Imported, spellings: dict[str, str], fps: float | None
-) -> tuple[EditSession, Transcript]:
+) -> tuple[EditSession, Transcript, float, float]:
+    """A session with its words, and when its sound begins, in the take, and ends, in its file.
+
+    A take without a sound is its own: times in files of words count from its beginning.
+    """
     from faceedit_app.editing.opening import open_session, open_sound
     from faceedit_app.words.imported import spread
 
     session = open_session(path, fps=fps)
     duration = session.take.clip.duration
+    found = open_sound(session.take)
+    sound, offset = found or (None, 0.0)
     if said.transcript is not None:
-        transcript = said.transcript
-        found = open_sound(session.take)
-        transcript = transcript.shifted(found[1] if found is not None else 0.0)
-    elif (found := open_sound(session.take)) is not None:
-        sound, offset = found
+        transcript = said.transcript.shifted(offset)
+    elif sound is not None:
         span = (max(sound.start, -offset), min(sound.end, duration - offset))
         transcript = _aligned(sound, said, spellings, span).shifted(offset)
     elif all(line.end is not None for line in said.lines):
@@ -196,7 +201,7 @@ def _words_of_take(
     else:
         raise FileError(path, "has no sound beside it", "add one of the same name, such as a WAV")
     session.say(transcript)
-    return session, transcript
+    return session, transcript, offset, duration if sound is None else sound.end
 
 
 def _aligned(
@@ -220,17 +225,18 @@ def _match(
     text: str | None,
     spellings: dict[str, str],
     start: float | None,
-) -> Match:
-    """Retime a take to another sound, or to a file with the times of its words."""
+) -> tuple[Match, float | None]:
+    """Retime a take to another sound, which ends at a second, or to a file with its words."""
     from faceedit_app.editing.help.dubbing import keep, match
     from faceedit_app.media import is_media
     from faceedit_app.words.aligning import Line
     from faceedit_app.words.files import read_words
     from faceedit_app.words.imported import Imported, spread
 
+    end: float | None = None
     if is_media(path):
         said = Imported((Line(ours.text if text is None else text),))
-        theirs, _ = _words_of_sound(path, said, spellings)
+        theirs, end = _words_of_sound(path, said, spellings)
     else:
         said = read_words(path)
         if said.transcript is None and any(line.end is None for line in said.lines):
@@ -241,7 +247,7 @@ def _match(
     except FaceEditError as error:
         raise FaceEditError(f"{path}: {error}") from error
     keep(session, found)
-    return found
+    return found, end
 
 
 def _matched(found: Match) -> dict[str, Any]:

@@ -87,6 +87,18 @@ def test_words_from_a_file_need_no_sound(tmp_path: Path, run: Run) -> None:
     assert found["words"][1]["start"] == pytest.approx(words.words[1].start, abs=1e-3)
 
 
+def test_times_in_files_count_from_the_beginning_of_the_sound(tmp_path: Path, run: Run) -> None:
+    take = make_livelink_csv(
+        tmp_path / "take.csv", untracked=range(30)
+    )  # no face for half a second
+    make_wav(tmp_path / "take.wav")
+    words, saved = said(("map", "M AE P"), start=0.7), tmp_path / "saved.json"
+    write_words(tmp_path / "given.json", words, 2.0)
+    found = run(take, "--words", tmp_path / "given.json", "--save", saved)
+    assert found["words"][0]["start"] == pytest.approx(0.2, abs=1e-3)  # of the take
+    assert read_words(saved).transcript == words
+
+
 @needs_espeak
 def test_subtitles_are_aligned_to_the_sound(tmp_path: Path, run: Run) -> None:
     take, words = mumbling_take(tmp_path)
