@@ -14,11 +14,13 @@ from PySide6.QtWidgets import QApplication, QMenu
 from support.films import make_wav
 from support.media import FakeOutput, settle, with_media
 from support.speech import SENTENCE, mumbling_take, needs_espeak, said, speak
+from support.takes import make_livelink_csv
 from support.waiting import PATIENCE, run_events, wait_for_background
 from support.windows import Bench, editor_of, session_of, trigger
 
 from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.formats.opening import open_take
+from faceedit_app.media import sound
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.media.words_dialog import WordsDialog
@@ -311,6 +313,30 @@ def test_typed_words_need_a_sound(bench: Bench) -> None:
     dialog.search.click()
     wait_for_background(window.workspace.background)
     assert "no sound" in dialog.message.text()
+    dialog.reject()
+
+
+def test_the_dialog_waits_for_a_sound_that_is_still_being_read(
+    bench: Bench, devices: list[FakeOutput], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    going, read = Event(), sound.read_sound
+
+    def slowly(*given: Any) -> sound.Sound | None:
+        going.wait(PATIENCE)
+        return read(*given)
+
+    monkeypatch.setattr(sound, "read_sound", slowly)
+    make_wav(tmp_path / "take.wav")
+    window = bench.window(make_livelink_csv(tmp_path / "take.csv"))
+    dialog = dialog_of(window)
+    dialog.text.setPlainText("my mother made apple")
+    dialog.search.click()
+    assert "still being read" in dialog.message.text()
+    going.set()
+    settle(bench, window)
+    dialog.search.click()
+    wait_for_background(window.workspace.background)
+    assert "do not fit" in dialog.message.text()
     dialog.reject()
 
 

@@ -222,7 +222,7 @@ class RetimeCommands:
         dialog = WordsDialog(
             self._workspace.window,
             self._workspace.background,
-            Place(sound, 0.0, (sound.start, sound.end), None),
+            lambda: Place(sound, 0.0, (sound.start, sound.end), None),
             session.words,
             choose,
             None,

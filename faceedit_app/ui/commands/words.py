@@ -29,6 +29,12 @@ class WordCommands:
         session = self._document.session
         return session.words if session is not None else None
 
+    @property
+    def _offset(self) -> float:
+        """When the take's sound begins, also if its file is missing; seconds."""
+        placed = self._workspace.media.placement.sound
+        return placed.offset if placed is not None else 0.0
+
     # --- the Take menu -----------------------------------------------------------------------
 
     def ask(self) -> None:
@@ -38,14 +44,19 @@ class WordCommands:
         self._workspace.end_gestures()
         if self._document.session is None:
             return
-        sound, line = self._workspace.media.sound, self._timeline
-        place = Place(
-            sound.item if sound is not None else None,
-            sound.offset if sound is not None else 0.0,
-            (0.0, line.duration),
-            line.selection,
-            self._workspace.shown_range(*line.selection) if line.selection is not None else "",
-        )
+
+        def place() -> Place:
+            media, line = self._workspace.media, self._timeline
+            sound = media.sound
+            return Place(
+                sound.item if sound is not None else None,
+                self._offset,
+                (0.0, line.duration),
+                line.selection,
+                self._workspace.shown_range(*line.selection) if line.selection is not None else "",
+                sound is not None or media.placement.sound is None or not media.pending,
+            )
+
         dialog = WordsDialog(
             self._workspace.window,
             self._workspace.background,
@@ -90,10 +101,9 @@ class WordCommands:
         if path is None:
             return
         sound = self._workspace.media.sound
-        offset = sound.offset if sound is not None else 0.0
         seconds = sound.item.end if sound is not None else self._timeline.duration
         try:
-            write_words(path, words.shifted(-offset), seconds)
+            write_words(path, words.shifted(-self._offset), seconds)
         except FaceEditError as error:
             dialogs.show_error(window, error)
             return

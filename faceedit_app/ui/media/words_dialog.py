@@ -48,6 +48,7 @@ class Place:
         take: first and last second of the take.
         selection: the selected range, if any.
         shown: the selected range as it is shown.
+        is_read: the take's sound is not still being read, so that its offset is known.
     """
 
     sound: Sound | None
@@ -55,13 +56,14 @@ class Place:
     take: tuple[float, float]
     selection: tuple[float, float] | None
     shown: str = ""
+    is_read: bool = True
 
 
 class WordsDialog(QDialog):
     """Asks for the words, and for what unknown ones sound like; then finds their times.
 
     Args:
-        place: where to look.
+        place: says where to look; asked again with each search, since the sound may come later.
         present: the take's words, if it has any.
         choose: asks for a file with words.
         save: asks where to write words, and writes them; None = they cannot be written.
@@ -72,15 +74,16 @@ class WordsDialog(QDialog):
         self,
         parent: QWidget,
         background: Background,
-        place: Place,
+        place: Callable[[], Place],
         present: Transcript | None,
         choose: Callable[[], Path | None],
         save: Callable[[], None] | None,
         make: Callable[[Transcript], None],
     ) -> None:
         super().__init__(parent)
-        self._background, self._place, self._present = background, place, present
+        self._background, self._find_place, self._present = background, place, present
         self._choose, self._make = choose, make
+        self._place = place()
         self._imported: imported.Imported | None = None  # the file whose text is in the field
         self._spellings = dict(present.sounds_like) if present is not None else {}
         self._asked: dict[str, QLineEdit] = {}
@@ -94,6 +97,7 @@ class WordsDialog(QDialog):
         self._show_state()
 
     def _lay_out(self, save: Callable[[], None] | None) -> None:
+        self.heading = QLabel(self._heading())
         self.text = QPlainTextEdit()
         self.text.setPlaceholderText("Type or paste what is said")
         self.text.setAccessibleName("What is said")
@@ -128,7 +132,7 @@ class WordsDialog(QDialog):
         self.stop.clicked.connect(self._stop)
         column = QVBoxLayout(self)
         column.setSpacing(10)
-        column.addWidget(QLabel(self._heading()))
+        column.addWidget(self.heading)
         column.addWidget(self.text, 1)
         column.addWidget(self.in_selection)
         column.addLayout(self.spellings)
@@ -137,7 +141,7 @@ class WordsDialog(QDialog):
         column.addWidget(buttons)
 
     def _heading(self) -> str:
-        if self._place.sound is None:
+        if self._place.sound is None and self._place.is_read:
             return "Open a file with times, or add the take's sound and type what is said."
         return f"What is said, in {LANGUAGE}. For other languages, open a file with times."
 
@@ -146,6 +150,11 @@ class WordsDialog(QDialog):
     def start(self) -> None:
         """Ask for unknown words, else find the times in the background."""
         if self._job is not None:
+            return
+        self._place = self._find_place()
+        self.heading.setText(self._heading())
+        if not self._place.is_read:
+            self.message.setText("The take's sound is still being read; try again in a moment.")
             return
         try:
             self._take_spellings()
