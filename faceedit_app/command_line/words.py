@@ -119,7 +119,8 @@ def words(
     _warn_of_noise(transcript)
     if save is not None:
         write_words(save, transcript.shifted(-offset), seconds)
-    report = {**as_tables(transcript), **more, "noise_db": transcript.noise}
+    report = {**as_tables(transcript), **more}
+    report |= {"noise_db": transcript.noise, "sound_start": offset}
     say(json.dumps(report, indent=2) if as_json else _text(report))
 
 

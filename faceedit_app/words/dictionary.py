@@ -14,6 +14,7 @@ from faceedit_app.words.numbers import in_words
 LANGUAGE = "English"  # what is aligned without help; other languages are imported
 _OUTSIDE = re.compile(r"^(?:(?![$£€]\d)[\W_])+|(?:(?<!\d)%|[^\w%]|_)+$")
 _DIRECTIONS = re.compile(r"\[[^\]]*\]|\([^)]*\)|</?\w[^>]*>")
+_AND = re.compile(r"\s&\s")  # is spoken
 _BETWEEN = re.compile(r"[\s/–—…_-]+|\.{2,}")
 _APOSTROPHES = str.maketrans({"’": "'", "‘": "'", "ʼ": "'"})
 _INVISIBLE = ("Cf", "Cc")  # categories of characters: joiners, marks of direction
@@ -25,9 +26,10 @@ _MOST_NAMED = 8  # unknown words in one message
 def tokens(text: str) -> list[str]:
     """The words of a text as they are typed, without punctuation around them.
 
-    Dashes and slashes part words; brackets with directions, such as `[laughs]`, are left out.
+    Dashes and slashes part words, an & between words is one, and brackets with directions, such as
+    `[laughs]`, are left out.
     """
-    text = _DIRECTIONS.sub(" ", text.translate(_APOSTROPHES))
+    text = _AND.sub(" and ", _DIRECTIONS.sub(" ", text.translate(_APOSTROPHES)))
     if not text.isascii():
         text = "".join(c for c in text if c.isspace() or unicodedata.category(c) not in _INVISIBLE)
     return [word for part in _BETWEEN.split(text) if (word := _OUTSIDE.sub("", part))]

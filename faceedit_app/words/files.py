@@ -8,6 +8,7 @@ lines are aligned to the sound, or their words are spread over each line's time.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -101,26 +102,40 @@ def _read_text(path: Path, content: bytes) -> Imported:
 
 
 def _read_json(path: Path, content: bytes) -> Imported:
-    lines = _transcription(path, content)
-    if lines is not None:
-        return Imported(lines)
-    fields = read_document(path, "words file", VERSION)
+    document = _parsed(path, content)
+    is_printed = isinstance(document, dict) and document.keys() >= {"words", "phonemes"}
+    if document is not None and not is_printed:
+        return Imported(_lines(path, document))
     try:
+        fields = Fields(document) if is_printed else read_document(path, "words file", VERSION)
         words = [_times(Fields(e, "words")) for e in fields.items("words", None, MOST_WORDS)]
         phonemes = [_times(Fields(e, "phonemes")) for e in fields.items("phonemes", [])]
+        start = fields.number("sound_start", 0.0)
     except FieldError as error:
         raise FileError(path, f"is damaged: {error}", "correct it") from error
-    return with_times(path, words, phonemes)
+    found = with_times(path, words, phonemes)
+    return (
+        found
+        if found.transcript is None
+        else replace(found, transcript=found.transcript.shifted(-start))
+    )
 
 
-def _transcription(path: Path, content: bytes) -> tuple[Line, ...] | None:
-    """The lines of another program's JSON; None if it is ours, or damaged."""
+def _parsed(path: Path, content: bytes) -> Any | None:
+    """A document of another program, or what `faceedit words --json` prints; None for others."""
     try:
         document = parse(decoded(path, content))
     except (ValueError, FieldError, FileError):
         return None
-    is_ours = isinstance(document, dict) and "version" in document
-    return None if is_ours else lines_of(document)
+    return None if isinstance(document, dict) and "version" in document else document
+
+
+def _lines(path: Path, document: Any) -> tuple[Line, ...]:
+    """The lines of another program's JSON."""
+    lines = lines_of(document)
+    if not lines:
+        raise FileError(path, "holds no texts with times that FaceEdit knows", "save it as SRT")
+    return lines
 
 
 def _times(fields: Fields) -> Interval:

@@ -24,6 +24,7 @@ _SILENCE = ("", "sil", "sp", "spn", "<p:>", "<eps>", "_", "#", "<sil>", "silence
 # What the library raises at a damaged file, such as at times of hundreds of digits.
 _OF_THE_LIBRARY = (ArithmeticError, AttributeError, LookupError, ValueError)
 _NAMES = 'name them "words" and "phones"'
+_INTERVALS = "mark in Praat where each word begins and ends"
 
 
 def read(path: Path, content: bytes) -> Imported:
@@ -37,7 +38,9 @@ def read(path: Path, content: bytes) -> Imported:
     words, phonemes = (_named(path, tiers, names) for names in (_WORD_TIERS, _PHONEME_TIERS))
     if words is None and phonemes is None:
         if len(tiers) != 1:
-            names = ", ".join(str(name)[:40] for name in grid.tierNames) or "none"
+            if not tiers:
+                raise FileError(path, "has no intervals, only points", _INTERVALS)
+            names = ", ".join(str(tier.name)[:40] for tier in tiers)
             raise FileError(path, f"has no tier of words or phones, only: {names}", _NAMES)
         words = tiers[0]
     said, sounds = _intervals(words), _intervals(phonemes)

@@ -1,4 +1,4 @@
-"""What speech recognisers write as JSON: Whisper, Gentle, Deepgram and others.
+"""What speech recognisers write as JSON: Whisper, Gentle, Deepgram, Amazon and others.
 
 They agree on little but that somewhere in the file there is a list of texts with a beginning and an
 end. Their times are rough, so the texts become lines, whose words are aligned to the sound.
@@ -6,6 +6,7 @@ end. Their times are rough, so the texts become lines, whose words are aligned t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,10 +14,14 @@ from faceedit_app.core.fields import clean_text
 from faceedit_app.words.aligning import Line
 from faceedit_app.words.dictionary import tokens
 
-_TEXTS = ("text", "word", "transcript", "punctuated_word", "label", "value")
+_TEXTS = ("text", "word", "transcript", "punctuated_word", "label", "value", "content")
 _STARTS = ("start", "begin", "start_time", "startTime", "from")
 _ENDS = ("end", "end_time", "endTime", "to")
 _BOTH = "timestamp"  # a pair
+_INSIDE = "timestamps"  # an object of whisper.cpp, with clock times
+_CHOICES = "alternatives"  # a list of Amazon, the likeliest text first
+_CLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[.,](\d{3})")
+_SLOWEST = 50.0  # seconds for a word; where most take longer, times are in milliseconds
 _DEEPEST = 8
 _PAUSE = 0.4  # seconds between words that begin a new line
 _LONGEST = 10.0  # seconds of a line that is made of words
@@ -24,7 +29,7 @@ _LONGEST = 10.0  # seconds of a line that is made of words
 
 def lines_of(document: Any) -> tuple[Line, ...]:
     """The lines of a document, by time; none if it holds no texts with times."""
-    found = max(_lists(document, 0), key=_weight, default=[])
+    found = _in_seconds(max(_lists(document, 0), key=_weight, default=[]))
     lines: list[Line] = []
     for line in sorted(found, key=lambda line: line.start or 0.0):
         last = lines[-1] if lines else None
@@ -33,6 +38,19 @@ def lines_of(document: Any) -> tuple[Line, ...]:
         else:
             lines.append(line)
     return tuple(lines)
+
+
+def _in_seconds(lines: list[Line]) -> list[Line]:
+    """Lines whose times may be in milliseconds, as AssemblyAI writes them."""
+    spans = [
+        (line.text, line.start, line.end)
+        for line in lines
+        if line.start is not None and line.end is not None
+    ]
+    each = sorted((end - start) / len(tokens(text)) for text, start, end in spans)
+    if not each or each[len(each) // 2] < _SLOWEST:
+        return lines
+    return [Line(text, start / 1000.0, end / 1000.0) for text, start, end in spans]
 
 
 def _weight(lines: list[Line]) -> tuple[int, int]:
@@ -56,13 +74,21 @@ def _lists(value: Any, depth: int) -> Iterator[list[Line]]:
 def _line(entry: Any) -> Line | None:
     if not isinstance(entry, dict):
         return None
-    text = next((entry[name] for name in _TEXTS if isinstance(entry.get(name), str)), "")
-    start, end = (_seconds(entry, names) for names in (_STARTS, _ENDS))
+    choices = entry.get(_CHOICES)
+    likeliest = choices[0] if isinstance(choices, list) and choices else entry
+    text = _text(entry) or _text(likeliest)
+    timed = entry[_INSIDE] if isinstance(entry.get(_INSIDE), dict) else entry
+    start, end = (_seconds(timed, names) for names in (_STARTS, _ENDS))
     if isinstance(pair := entry.get(_BOTH), list) and len(pair) == 2:
         start, end = (_number(value) for value in pair)
     if start is None or end is None or not 0.0 <= start < end < 1e6 or not tokens(text):
         return None
     return Line(clean_text(text.strip()), start, end)
+
+
+def _text(entry: Any) -> str:
+    names = _TEXTS if isinstance(entry, dict) else ()
+    return next((entry[name] for name in names if isinstance(entry.get(name), str)), "")
 
 
 def _seconds(entry: dict[str, Any], names: tuple[str, ...]) -> float | None:
@@ -73,6 +99,9 @@ def _number(value: Any) -> float | None:
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None
     try:
+        if isinstance(value, str) and (clock := _CLOCK.fullmatch(value[:40])):
+            hours, minutes, seconds, thousandths = map(int, clock.groups())
+            return 3600.0 * hours + 60.0 * minutes + seconds + thousandths / 1000.0
         return float(value[:40].removesuffix("s") if isinstance(value, str) else value)
     except (ValueError, OverflowError):
         return None

@@ -97,6 +97,8 @@ def test_times_in_files_count_from_the_beginning_of_the_sound(tmp_path: Path, ru
     found = run(take, "--words", tmp_path / "given.json", "--save", saved)
     assert found["words"][0]["start"] == pytest.approx(0.2, abs=1e-3)  # of the take
     assert read_words(saved).transcript == words
+    saved.write_text(json.dumps(found))  # what is printed can be read as well
+    assert read_words(saved).transcript == words
 
 
 @needs_espeak

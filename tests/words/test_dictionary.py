@@ -24,6 +24,7 @@ from faceedit_app.words.numbers import in_words
         ("well-known either/or", ["well", "known", "either", "or"]),
         ("[laughs] yes (aside) no <i>now</i>", ["yes", "no", "now"]),
         ("… — !", []),
+        ("salt & soup & R&B", ["salt", "and", "soup", "and", "R&B"]),
         ("a < b, c > d", ["a", "b", "c", "d"]),
         ("well…fine under_score", ["well", "fine", "under", "score"]),
         ("$5, 50% (and 'tis 12:30)", ["$5", "50%"]),

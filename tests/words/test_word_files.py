@@ -198,12 +198,26 @@ def test_captions_that_roll_up_are_said_once(tmp_path: Path) -> None:
         '{"word": "hi", "startTime": "1s", "endTime": "1.2s"},'
         ' {"word": "there", "startTime": "1.2s", "endTime": "2s"}]}]}]}',
         '{"fragments": [{"begin": "1.000", "end": "2.000", "lines": ["x"], "text": "hi there"}]}',
+        '{"transcription": [{"timestamps": {"from": "00:00:01,000", "to": "00:00:02,000"},'
+        ' "offsets": {"from": 1000, "to": 2000}, "text": " hi there"}]}',
+        '{"results": {"items": [{"start_time": "1.0", "end_time": "1.4", "alternatives": '
+        '[{"content": "hi"}]}, {"start_time": "1.4", "end_time": "2.0", "alternatives": '
+        '[{"content": "there"}]}, {"type": "punctuation", "alternatives": [{"content": "."}]}]}}',
+        '{"words": [{"text": "hi", "start": 1000, "end": 1400},'
+        ' {"text": "there", "start": 1400, "end": 2000}], "text": "hi there"}',
     ],
 )
 def test_json_of_speech_recognisers_gives_lines(tmp_path: Path, content: str) -> None:
     path = tmp_path / "said.json"
     path.write_text(content)
     assert read_words(path).lines == (Line("hi there", 1.0, 2.0),)
+
+
+def test_json_without_texts_with_times_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "said.json"
+    path.write_text('{"text": "hi there"}')
+    with pytest.raises(FileError, match="no texts with times that FaceEdit knows; save it as SRT"):
+        read_words(path)
 
 
 def grid(*tiers: tuple[str, list[tuple[float, float, str]]], kind: str = "IntervalTier") -> str:
@@ -251,6 +265,7 @@ def test_intervals_of_several_words_are_lines(tmp_path: Path) -> None:
         (grid(("words", [(1.0, 0.5, "be")])), "cannot occur after"),
         (grid(("words", [])), "holds no words"),
         (grid(("words", [(0.0, 2.0, "sil")])), "holds no words"),
+        (grid(("words", []), kind="TextTier"), "no intervals, only points"),
         (grid(("a", [BE]), ("b", [MAP])), "no tier of words or phones, only: a, b"),
         (grid(("Ann - words", [BE]), ("Bob - words", [MAP])), "several speakers: Ann, Bob"),
         (grid(("words", [BE]))[:60], "not a TextGrid"),
