@@ -30,6 +30,7 @@ _MOUTH = (
     *("mouthRollLower", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthLowerDownLeft"),
     *("mouthLowerDownRight", "mouthStretchLeft", "mouthStretchRight"),
 )
+_FAR = 0.5  # of a blink's largest move; what moves farther is the lid
 _HEAD = 2.5  # eye distances around the eyes; the size of the head
 _BODY = 8.0  # eye distances; a file that reaches farther holds a body, which stands upright
 _UPRIGHT = 0.85  # cosine to an axis of the file above which that axis is up
@@ -113,7 +114,7 @@ def find_frame(
     kept = _each_once(points, left + right + mouth > 0)
     points, left, right, mouth = points[kept], left[kept], right[kept], mouth[kept]
     is_one = any(share.half != Half.WHOLE for c in _EYES for share in shares[c])
-    centres = _two_eyes(points, left) if is_one else (_centre(points, left), _centre(points, right))
+    centres = _two_eyes(points, left) if is_one else (_lids(points, left), _lids(points, right))
     cues = _cues(character, shares, target)
     return _frame(path, points, centres, _centre(points, mouth), not is_one, cues)
 
@@ -184,8 +185,13 @@ def _two_eyes(points: Doubles, amount: Doubles) -> tuple[Doubles, Doubles]:
     spread = (points - centre) * np.sqrt(amount)[:, None]
     across = np.linalg.svd(spread, full_matrices=False)[2][0]
     side = (points - centre) @ across
-    one, other = (_centre(points, np.where(s * side > 0, amount, 1e-12)) for s in (1, -1))
+    one, other = (_lids(points, np.where(s * side > 0, amount, 0.0)) for s in (1, -1))
     return one, other
+
+
+def _lids(points: Doubles, amount: Doubles) -> Doubles:
+    """The centre of an eye: of what a blink moves far; skin beside it may follow a little."""
+    return _centre(points, (amount > _FAR * amount.max()).astype(np.float64))
 
 
 def _frame(

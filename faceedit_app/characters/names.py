@@ -146,6 +146,10 @@ _ROUGH: tuple[tuple[tuple[str, ...], _Rough], ...] = (
     (("e", "ee", "visemee", "vrcve", "vee", "ve", "fclmthe", "mthe", "mouthe", "え"), _LOWER_DOWN),
     (("口横広げ", "mouthwiden"), _both("mouthStretch")),
     (("mouthbottomlipdown",), _LOWER_DOWN),
+    (
+        ("mouthdepressionretraction",),  # of MakeHuman; it raises the upper lip, too
+        _both("mouthLowerDown", Half.LOWER_LEFT, Half.LOWER_RIGHT),
+    ),
     (("mouthtoplipup", "liptopupdown"), _both("mouthUpperUp")),
     (("visemepp", "vrcvpp", "vpp", "pp"), _both("mouthPress")),
     (("fun", "relaxed", "fclmthfun", "mthfun", "にやり", "微笑"), _SMILE),

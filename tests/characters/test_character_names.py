@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from faceedit_app.characters.matches import Half
+from faceedit_app.characters.matches import Half, Share
 from faceedit_app.characters.names import match_channels
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
@@ -269,6 +269,18 @@ MAKERS: dict[str, dict[str, str]] = {
         "eyeLookInRight": "Eye_Right_Left",
         "mouthFrownLeft": "Mouth_Sad_Left",
     },
+    "MakeHuman": {
+        "browInnerUp": "eyebrows-left-inner-up eyebrows-right-inner-up",
+        "browOuterUpLeft": "eyebrows-left-extern-up",
+        "browDownRight": "eyebrows-right-down",
+        "eyeBlinkLeft": "eye-left-closure",
+        "eyeWideLeft": "eye-left-opened-up",
+        "eyeSquintRight": "eye-right-slit",
+        "noseSneerLeft": "nose-left-elevation",
+        "mouthPucker": "mouth-pursing",
+        "mouthFunnel": "mouth-protusion",
+        "mouthShrugLower": "mouth-eversion",
+    },
 }
 
 
@@ -286,6 +298,15 @@ def test_a_unit_of_facs_that_moves_both_sides_is_cut_in_two() -> None:
     assert [share.half for share in match.shares["mouthSmileRight"]] == [Half.RIGHT]
     assert match.matched["jawOpen"] == ("AU_27_MouthStretch",)
     assert "mouthStretchLeft" in match.missing
+
+
+def test_units_of_makehuman_that_move_both_sides_are_cut_in_two() -> None:
+    match = match_channels(["mouth-corner-puller", "mouth-depression", "mouth-elevation"])
+    assert match.matched["mouthSmileLeft"] == match.matched["mouthSmileRight"]
+    assert match.shares["mouthFrownLeft"] == (Share("mouth-depression", half=Half.LEFT),)
+    assert match.shares["mouthUpperUpRight"] == (Share("mouth-elevation", half=Half.RIGHT),)
+    lower = match_channels(["mouth-depression-retraction"])
+    assert [share.half for share in lower.shares["mouthLowerDownLeft"]] == [Half.LOWER_LEFT]
 
 
 def test_mikumikudance_laughs_with_its_eyes() -> None:

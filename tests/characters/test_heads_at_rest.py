@@ -67,3 +67,18 @@ def test_eyes_that_are_shut_in_the_file_are_said(tmp_path: Path) -> None:
     )
     assert "left_upper_lid" not in fitted.points
     assert fitted.checklist.doubts[0].startswith("eyeBlinkLeft moves the lid by only 0.9 mm")
+
+
+def test_skin_beside_the_eyes_that_blinks_pull_along_does_not_change_the_size(
+    tmp_path: Path,
+) -> None:
+    """The eyes, which show the size of a head, are where the lids are."""
+    head, out = small_head(), small_glb()
+    (primitive,) = out.json["meshes"][0]["primitives"]
+    names = out.json["meshes"][0]["extras"]["targetNames"]
+    near = np.exp(-np.square((head.vertices - [0.0, 5.0, 0.0]) / [14, 16, 1e9]).sum(axis=1))
+    for channel in BLINKS:
+        moves = head.targets[channel] - 3.0 * near[:, None] * [0.0, 1.0, 0.0]
+        moves *= np.abs(head.targets[channel]).max() / np.abs(moves).max()
+        primitive["targets"][names.index(channel)] = {"POSITION": out.accessor(moves / 1000, FLOAT)}
+    assert saved(out, tmp_path).frame.scale == pytest.approx(1.0, rel=0.05)
