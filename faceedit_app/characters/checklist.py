@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from faceedit_app.characters.closure import CLOSE_ENOUGH, LID_SLACK
 from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.matches import Match
 from faceedit_app.characters.names import is_without_channel
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.arrays import Indices
+from faceedit_app.core.levels import Levels
+from faceedit_app.core.rig import Rig
 
 DEAD = 0.3  # mm; a shape that moves no vertex farther is not visible
 # These move eyeballs, tongue or brows, which are often separate meshes.
@@ -54,12 +58,18 @@ class Checklist:
 
 
 def make_checklist(
-    match: Match, face: Face, points: Points, problems: Sequence[str], remarks: Sequence[str]
+    match: Match,
+    face: Face,
+    points: Points,
+    problems: Sequence[str],
+    lids: Sequence[str],
+    remarks: Sequence[str],
 ) -> Checklist:
     """Check a character.
 
     Args:
         problems: sentences about points that were not found.
+        lids: sentences about lids (`lid_doubts`).
         remarks: sentences from reading and assembling it.
     """
     return Checklist(
@@ -69,7 +79,7 @@ def make_checklist(
         several=match.several,
         unknown=tuple(name for name in match.unknown if not is_without_channel(name)),
         lost=match.lost,
-        doubts=(*problems, *doubts(face, points)),
+        doubts=(*problems, *doubts(face, points), *lids),
         remarks=tuple(remarks),
     )
 
@@ -111,9 +121,6 @@ def doubts(face: Face, points: Points) -> list[str]:
         shut = apart(*lips, "jawOpen", "mouthClose")
         if {"jawOpen", "mouthClose"} <= set(face.moves) and shut - rest > _SHUT:
             found.append(f"mouthClose leaves the lips {shut:.1f} mm apart when the jaw is open")
-    for side in ("left", "right"):
-        if all(name in points for name in (f"{side}_upper_lid", f"{side}_lower_lid")):
-            found += _lid_doubts(face, points, side)
     corners = "left_mouth_corner", "right_mouth_corner"
     smiles = "mouthSmileLeft", "mouthSmileRight"
     if all(name in points for name in corners) and set(smiles) <= set(face.moves):
@@ -126,24 +133,39 @@ def doubts(face: Face, points: Points) -> list[str]:
     return found
 
 
-def _lid_doubts(face: Face, points: Points, side: str) -> list[str]:
-    """What is left open when one eye blinks, and what would close it."""
+def lid_doubts(rig: Rig, points: Points) -> list[str]:
+    """What eyes leave open when they blink as strongly as the character shows it, and what helps.
+
+    Args:
+        points: the control points, as vertices of the rig.
+    """
+    found = []
+    for side in ("left", "right"):
+        lids = [points.get(f"{side}_{lid}_lid") for lid in ("upper", "lower")]
+        if None not in lids:
+            found += _lid_doubts(rig, np.array(lids, np.intp), side)
+    return found
+
+
+def _lid_doubts(rig: Rig, lids: Indices, side: str) -> list[str]:
     blink, squint = (f"eye{name}{side.capitalize()}" for name in ("Blink", "Squint"))
-    upper, lower = points[f"{side}_upper_lid"], points[f"{side}_lower_lid"]
 
-    def gap(*channels: str) -> float:
+    def gap(levels: Levels, *channels: str) -> float:
         """Mm; 0 once the upper lid has passed the lower one."""
-        moved = sum((face.move(channel) for channel in channels), face.places)
-        x, y, z = moved[upper] - moved[lower]
-        return float(np.sqrt(x * x + y * y + z * z)) if y > 0 else 0.0
+        weights = np.zeros(len(ARKIT_CHANNELS), np.float32)
+        weights[[ARKIT_INDEX[channel] for channel in channels]] = 1.0
+        shown = replace(rig, levels=levels).from_arkit(weights)
+        upper, lower = rig.neutral[lids] + np.tensordot(shown, rig.deltas[:, lids], 1)
+        apart = 1000.0 * (upper - lower).astype(np.float64)
+        return float(np.linalg.norm(apart)) if apart[1] > 0 else 0.0
 
-    rest, left = gap(), gap(blink)
-    if min(left, gap(blink, squint)) <= CLOSE_ENOUGH + LID_SLACK * rest:
+    rest, left = gap(Levels()), gap(rig.levels, blink)
+    if min(left, gap(rig.levels, blink, squint)) <= CLOSE_ENOUGH + LID_SLACK * rest:
         return []
     sentence = f"{blink} leaves the {side} eye {left:.1f} mm open"
-    if squint not in face.moves:
+    if squint not in rig.channels:
         sentence += f", and there is no {squint}"
-    if left < rest and rest / (rest - left) <= _STRONGEST:
-        times = np.ceil(20 * rest / (rest - left)) / 20
-        sentence += f"; a multiplier of {times:.2f} closes it"
+    closes = rest - gap(Levels(), blink)
+    if closes > 0 and rest / closes <= _STRONGEST:
+        sentence += f"; a multiplier of {np.ceil(20 * rest / closes) / 20:.2f} closes it"
     return [sentence]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembler, Assembly
 from faceedit_app.characters.character import Character, Part, Place, Surface
-from faceedit_app.characters.checklist import DEAD, Checklist, make_checklist
+from faceedit_app.characters.checklist import DEAD, Checklist, lid_doubts, make_checklist
 from faceedit_app.characters.face import Face, Points
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.gaze import Eye
@@ -97,9 +97,14 @@ class FittedCharacter:
         """The same character with another strength of one channel."""
         levels = {**self.mapping.levels, channel: level}
         levels = {name: one for name, one in levels.items() if one != UNCHANGED}
+        rig = replace(self.rig, levels=Levels(levels))
+        before = lid_doubts(self.rig, self.points)
+        doubts = [one for one in self.checklist.doubts if one not in before]
+        doubts += lid_doubts(rig, self.points)
         return replace(
             self,
-            rig=replace(self.rig, levels=Levels(levels)),
+            rig=rig,
+            checklist=replace(self.checklist, doubts=tuple(doubts)),
             mapping=replace(self.mapping, levels=levels),
         )
 
@@ -162,8 +167,9 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         remarks.append("left and right of its shapes were reversed and have been swapped")
     rig, faults = _rig(character, assembly, welded, face, found)
     rig = replace(rig, levels=Levels(mapping.levels))
-    checklist = make_checklist(match, face, found, problems, [*remarks, *faults])
     points = {name: int(welded.first[number]) for name, number in found.items()}
+    lids = lid_doubts(rig, points)
+    checklist = make_checklist(match, face, found, problems, lids, [*remarks, *faults])
     places = {
         name: Place(character.parts[assembly.part_of[vertex]].name, int(assembly.vertex_of[vertex]))
         for name, vertex in points.items()

@@ -12,6 +12,7 @@ from support.heads import small_head
 
 from faceedit_app.characters.closure import Gaps
 from faceedit_app.characters.fitted import FittedCharacter, open_character
+from faceedit_app.characters.map_file import map_path, write_map
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.editing.solving.closing import Closing
 
@@ -54,8 +55,14 @@ def test_a_blink_that_is_too_weak_says_what_closes_the_eye(tmp_path: Path) -> No
     assert "there is no eyeSquintLeft; a multiplier of 1." in first
     times = float(first.split("multiplier of ")[1].split()[0])
     assert f"multiplier of {times:.2f}" in second
+    left = fitted.with_level(BLINKS[0], (times, 0.0, 1.0))
+    assert left.checklist.doubts == (second,)
+    assert left.with_level(BLINKS[0], (0.9, 0.0, 1.0)).checklist.doubts[0].startswith(BLINKS[0])
+    write_map(map_path(fitted.character.path), left.mapping)
+    assert open_character(fitted.character.path).checklist.doubts == (second,)
     for channel in BLINKS:
         fitted = fitted.with_level(channel, (times, 0.0, 1.0))
+    assert fitted.checklist.doubts == ()
     shut = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
     shut[0, [ARKIT_CHANNELS.index(channel) for channel in BLINKS]] = 1.0
     assert Gaps.of(fitted.rig).measure(shut)[0, 1:].max() < 0.5
