@@ -126,11 +126,15 @@ def scene_content(
         scene = make_scene(character, clip, follows_head=follows_head)
         return form.write(scene, name, compact)
     path, shares = character.character.path, character.shares
-    if form.ending == ".glb" and is_glb(path) and not character.character.format.startswith("VRM"):
+    is_vrm = character.character.format.startswith("VRM")
+    if form.ending == ".glb" and is_glb(path) and not is_vrm:
         weights = shape_weights(clip, shares, character.rig.levels)
         turns = None
         if follows_head and clip.rotations is not None:
             turns = HeadTurns.of(character.frame, character.rig, clip.rotations)
         alike, eyes = character.match.alike, eye_turns(character, clip)
         return animate_glb(path, weights, alike, clip.times, name, compact, turns, eyes)
-    return form.write(make_scene(character.rig, clip, shares, follows_head), name, compact)
+    # The expressions of a VRM are no shapes of its meshes: nothing elsewhere goes by their names,
+    # and takes do not know all of them.
+    named = None if is_vrm else shares
+    return form.write(make_scene(character.rig, clip, named, follows_head), name, compact)
