@@ -115,7 +115,9 @@ class CharacterChecklist(QDialog):
             facts.append(f"{len(check.dead)} {moves} nothing that can be seen")
         facts.append(f"{self._character.character.vertex_count:,} vertices")
         self._summary.setText(f"{self._character.character.format}: {'; '.join(facts)}.")
-        lines = [sentence(text) for text in (*check.doubts, *check.lost, *check.remarks)]
+        lines = [sentence(text) for text in check.doubts]
+        lines += [f"{text}." for text in check.lost]  # they begin with the name of a shape
+        lines += [sentence(text) for text in check.remarks]
         if check.unknown:
             lines.append(f"Not used: {', '.join(check.unknown)}.")
         self._notes.setText("\n".join(lines))
