@@ -105,6 +105,18 @@ def test_a_character_that_closes_as_ours_does_keeps_its_weights_nearly() -> None
     assert np.abs(same(speech()) - speech()).max() < 0.25
 
 
+def test_lips_far_apart_on_a_head_without_mouth_close_are_not_left_half_open() -> None:
+    ours = shipped_rig()
+    deltas = ours.deltas.copy()
+    deltas[ours.channel_index["mouthClose"]] = 0.0
+    closing = Closing(ours, replace(ours, deltas=deltas))
+    weights = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
+    weights[0, [JAW, CLOSE]] = 0.8
+    assert closing.ours.measure(weights)[0, 0] < 1.0
+    assert closing.theirs.measure(weights)[0, 0] > 20.0
+    assert closing.theirs.measure(closing(weights))[0, 0] < 0.5
+
+
 def test_what_a_take_has_no_column_for_stays(closing: Closing) -> None:
     without = frozenset(ARKIT_CHANNELS) - {"jawOpen", "eyeBlinkLeft"}
     part = Closing(shipped_rig(), leaky_rig(), without)(speech())

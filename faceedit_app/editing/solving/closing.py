@@ -39,6 +39,9 @@ _LEVELLED_PASSES = 4  # for a character with its own strength by channel
 _VARIANCE = 0.04  # of a channel without a model
 # Added to a model's: it knows how channels vary together on our character, not on theirs.
 _MORE_VARIANCE = 0.02
+# Of reach. Lips that are farther apart on theirs than on ours need a longer change than an edit
+# may make; half way, they would still be open.
+_NATURALNESS = 0.5
 
 
 class Closing:
@@ -185,7 +188,8 @@ class _Part:
             targets += self._linear.signed(weights[where]) - true
         wanted = Goal(np.hstack((mine, targets)), np.where(asked, 1.0, 0.0), asked)
         upper = np.maximum(here[:, self.columns], 1.0)
-        weights[np.ix_(where, self.columns)] = self._reach(here, wanted, upper).astype(np.float32)
+        found = self._reach(here, wanted, upper, _NATURALNESS)
+        weights[np.ix_(where, self.columns)] = found.astype(np.float32)
 
 
 def _along(distances: Distances, axis: int) -> Distances:
