@@ -40,12 +40,16 @@ EXPRESSIONS: tuple[dict[str, float], ...] = (
 def bake_shade(rig: Rig, normals_of: Callable[[Floats], Floats], depths_of: DepthsOf) -> Floats:
     """The share of the light from above that reaches each vertex, (V,) float32 in 0..1."""
     brightest = np.zeros(len(rig.neutral), np.float32)
+    last: Floats | None = None
     for expression in EXPRESSIONS:
         weights = np.zeros(len(rig.channels), np.float32)
         for channel, value in expression.items():
             if channel in rig.channel_index:
                 weights[rig.channel_index[channel]] = value
         vertices = rig.vertices(weights)
+        if last is not None and np.array_equal(vertices, last):
+            continue  # a scan has no expressions
+        last = vertices
         arrived = _arrived(rig, vertices, normals_of(vertices), depths_of)
         brightest = np.maximum(brightest, arrived)
     average = _neighbour_average(rig)
