@@ -140,6 +140,25 @@ class Exported:
         return (*self.remarks, f"the head is straight{remedy}")
 
 
+@dataclass(frozen=True)
+class _Encoded:
+    """A file that is ready to be written.
+
+    Attributes:
+        content: of the file.
+        clip: the take as the file has it.
+        lost: what the take's file carries beside its channels, and this one cannot.
+        note: a further remark, or "".
+        is_straight: as in `Exported`.
+    """
+
+    content: bytes
+    clip: Clip
+    lost: tuple[str, ...]
+    note: str = ""
+    is_straight: bool = False
+
+
 def out_formats() -> tuple[OutFormat, ...]:
     """All formats that any take can be exported in."""
     return (*(OutFormat(form) for form in registry.writable()), *map(OutFormat, SCENES))
@@ -241,56 +260,58 @@ def export_take(
         FaceEditError: the format cannot be written at this frame rate.
     """
     options = options or Options()
-    kind, straight, note = form.kind, False, ""
     keep_inputs([path], _files_of(options.character))
-    if isinstance(kind, registry.Format):
-        same = kind.name == take.kind and options.rate in (None, take.clip.rate)
-        if kind.write is None and not same:
-            raise FaceEditError(
-                f"{path}: {kind.name} can only be written as it was recorded; "
-                f"choose another format, such as {registry.writable()[0].name}"
-            )
-        check(stopped)
-        done = converted(
-            path,
-            take,
-            kind,
-            options.rate,
-            edited,
-            like=options.like,
-            own_layout=form.is_own,
-            filled=options.filled,
-        )
-        content, clip, note = done.content, done.clip, done.note
-        lost = () if done.is_own else take.carried
-        if (kind.keeps_rotations or done.is_styled) and clip.rotations is not None:
-            lost = tuple(name for name in lost if rotation_named(name) is None)
-        if kind.keeps_confidence and clip.confidence is not None:
-            lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
-    else:
-        clip = resampled(with_filled(edited, take.lost_rows, options.filled), options.rate)
-        content = scene_content(
-            kind,
-            clip,
-            _opened(options.character),
-            take.path.stem,
-            options.compact,
-            options.follows_head,
-        )
-        turns = options.follows_head and clip.rotations is not None
-        lost = tuple(
-            name for name in take.carried if not (rotation_named(name) or "").startswith(_HEAD)
-        )
-        straight = clip.rotations is not None and not turns and bool(np.any(clip.rotations[:, :3]))
+    check(stopped)
+    encoded = (_as_scene if form.has_character else _as_take)(take, edited, path, form, options)
     check(stopped)
     backup = make_way(path, take.path, options.overwrite)
-    write_atomically(path, content)
+    write_atomically(path, encoded.content)
     remarks: tuple[str, ...] = ()
-    if lost:
-        remarks = (f"left out because they are not channels: {', '.join(lost)}",)
-    if note:
-        remarks += (note,)
-    return Exported(path, form, clip, remarks, backup, straight)
+    if encoded.lost:
+        remarks = (f"left out because they are not channels: {', '.join(encoded.lost)}",)
+    if encoded.note:
+        remarks += (encoded.note,)
+    return Exported(path, form, encoded.clip, remarks, backup, encoded.is_straight)
+
+
+def _as_take(take: Take, edited: Clip, path: Path, form: OutFormat, options: Options) -> _Encoded:
+    """A take as the file of a format of takes."""
+    kind = form.kind
+    assert isinstance(kind, registry.Format)
+    same = kind.name == take.kind and options.rate in (None, take.clip.rate)
+    if kind.write is None and not same:
+        raise FaceEditError(
+            f"{path}: {kind.name} can only be written as it was recorded; "
+            f"choose another format, such as {registry.writable()[0].name}"
+        )
+    done = converted(
+        path,
+        take,
+        kind,
+        options.rate,
+        edited,
+        like=options.like,
+        own_layout=form.is_own,
+        filled=options.filled,
+    )
+    lost = () if done.is_own else take.carried
+    if (kind.keeps_rotations or done.is_styled) and done.clip.rotations is not None:
+        lost = tuple(name for name in lost if rotation_named(name) is None)
+    if kind.keeps_confidence and done.clip.confidence is not None:
+        lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
+    return _Encoded(done.content, done.clip, lost, done.note)
+
+
+def _as_scene(take: Take, edited: Clip, _path: Path, form: OutFormat, options: Options) -> _Encoded:
+    """A take as the file of a character that plays it."""
+    kind = form.kind
+    assert isinstance(kind, SceneFormat)
+    clip = resampled(with_filled(edited, take.lost_rows, options.filled), options.rate)
+    character, compact, follows = _opened(options.character), options.compact, options.follows_head
+    content = scene_content(kind, clip, character, take.path.stem, compact, follows)
+    lost = tuple(n for n in take.carried if not (rotation_named(n) or "").startswith(_HEAD))
+    turned = clip.rotations is not None and bool(np.any(clip.rotations[:, :3]))
+    return _Encoded(content, clip, lost, is_straight=turned and not follows)
 
 
 def changed_frames(session: EditSession, path: Path) -> int:
