@@ -32,35 +32,45 @@ _CUT = re.compile(rf"{_NUMBER}-{_NUMBER}")
 _INSERT = re.compile(rf"{_NUMBER}\+{_NUMBER}")
 
 
+# typer reads annotations at run time, so they stay in the old form.
+_OutputOption = Annotated[
+    Path, typer.Option("-o", "--output", help="The new take; sound and film go beside it.")
+]
+_CutOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option(metavar="START-END", help="Seconds to cut out, such as 1.2-1.8; repeatable."),
+]
+_InsertOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option(
+        metavar="AT+SECONDS",
+        help="Seconds to insert, in which the face rests, such as 2.0+0.5; repeatable.",
+    ),
+]
+_WordsOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Its words (TextGrid or JSON); those of the new take go beside it."),
+]
+_SoundOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Its sound; default: what is found beside the take."),
+]
+_FilmOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Its film; default: what is found beside the take."),
+]
+_NoFilmOption = Annotated[bool, typer.Option("--no-film", help="Do not write the film.")]
+
+
 def retime(
     take: TakeArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", help="The new take; sound and film go beside it.")
-    ],
-    cut: Annotated[
-        Optional[list[str]],  # noqa: UP045  (typer reads the annotation at run time)
-        typer.Option(metavar="START-END", help="Seconds to cut out, such as 1.2-1.8; repeatable."),
-    ] = None,
-    insert: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option(
-            metavar="AT+SECONDS",
-            help="Seconds to insert, in which the face rests, such as 2.0+0.5; repeatable.",
-        ),
-    ] = None,
-    words: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Its words (TextGrid or JSON); those of the new take go beside it."),
-    ] = None,
-    sound: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Its sound; default: what is found beside the take."),
-    ] = None,
-    film: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Its film; default: what is found beside the take."),
-    ] = None,
-    no_film: Annotated[bool, typer.Option("--no-film", help="Do not write the film.")] = False,
+    output: _OutputOption,
+    cut: _CutOption = None,
+    insert: _InsertOption = None,
+    words: _WordsOption = None,
+    sound: _SoundOption = None,
+    film: _FilmOption = None,
+    no_film: _NoFilmOption = False,
     edits: EditsOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,

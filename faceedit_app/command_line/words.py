@@ -32,50 +32,63 @@ if TYPE_CHECKING:
 _NOISY = "the sound is noisy ({:.0f} dB above the noise): check the times of the words"
 
 
+# typer reads annotations at run time, so they stay in the old form.
+_SourceArgument = Annotated[
+    Path,
+    typer.Argument(metavar="TAKE|SOUND", help="A take with its sound beside it, or a sound."),
+]
+_TextOption = Annotated[Optional[str], typer.Option(help="What is said.")]  # noqa: UP045
+_WordsOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--words", help="What is said: TextGrid, SRT, VTT, JSON or TXT."),
+]
+_SoundsLikeOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option(help="WORD=SPELLING, for a word not in the dictionary; repeatable."),
+]
+_SaveOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Write the words to this file: TextGrid, SRT or JSON."),
+]
+_FixOption = Annotated[
+    bool, typer.Option("--fix", help="Close the lips at each m, b and p that stays open.")
+]
+_RetimeToOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        metavar="SOUND|FILE",
+        help="Retime the take to another sound, or to a file with the times of its words.",
+    ),
+]
+_TheirTextOption = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(help="With --retime-to SOUND: what it says, if it is not the same."),
+]
+_TheirStartOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        help="With --retime-to: when the other sound begins, in seconds of the take; "
+        "default: where the words are nearest to each other."
+    ),
+]
+_OutputOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("-o", "--output", help="With --fix or --retime-to: the edited take."),
+]
+
+
 def words(
-    source: Annotated[
-        Path,
-        typer.Argument(metavar="TAKE|SOUND", help="A take with its sound beside it, or a sound."),
-    ],
-    text: Annotated[Optional[str], typer.Option(help="What is said.")] = None,  # noqa: UP045
-    file: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--words", help="What is said: TextGrid, SRT, VTT, JSON or TXT."),
-    ] = None,
-    sounds_like: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option(help="WORD=SPELLING, for a word not in the dictionary; repeatable."),
-    ] = None,
-    save: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Write the words to this file: TextGrid, SRT or JSON."),
-    ] = None,
+    source: _SourceArgument,
+    text: _TextOption = None,
+    file: _WordsOption = None,
+    sounds_like: _SoundsLikeOption = None,
+    save: _SaveOption = None,
     as_json: JsonOption = False,
-    fix: Annotated[
-        bool, typer.Option("--fix", help="Close the lips at each m, b and p that stays open.")
-    ] = False,
-    retime_to: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            metavar="SOUND|FILE",
-            help="Retime the take to another sound, or to a file with the times of its words.",
-        ),
-    ] = None,
-    their_text: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="With --retime-to SOUND: what it says, if it is not the same."),
-    ] = None,
-    their_start: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option(
-            help="With --retime-to: when the other sound begins, in seconds of the take; "
-            "default: where the words are nearest to each other."
-        ),
-    ] = None,
-    output: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("-o", "--output", help="With --fix or --retime-to: the edited take."),
-    ] = None,
+    fix: _FixOption = False,
+    retime_to: _RetimeToOption = None,
+    their_text: _TheirTextOption = None,
+    their_start: _TheirStartOption = None,
+    output: _OutputOption = None,
     character: CharacterOption = None,
     fps: FpsOption = None,
     models: ModelsOption = None,
@@ -93,8 +106,7 @@ def words(
 
     _check_said(text, file)
     _check_written(output, fix, retime_to)
-    if retime_to is None and (their_text is not None or their_start is not None):
-        raise FaceEditError("--their-text and --their-start belong to --retime-to")
+    _check_theirs(retime_to, their_text, their_start)
     keep_inputs([save, output], _read(source, file, retime_to, character, models))
     keep_inputs([save], [source])
     said = read_words(file) if file is not None else Imported((Line(text or ""),))
@@ -155,6 +167,11 @@ def _check_written(output: Path | None, fix: bool, retime_to: Path | None) -> No
         )
     if output is None and changes:
         raise FaceEditError("--fix and --retime-to change the take: say with -o where to write it")
+
+
+def _check_theirs(retime_to: Path | None, text: str | None, start: float | None) -> None:
+    if retime_to is None and (text is not None or start is not None):
+        raise FaceEditError("--their-text and --their-start belong to --retime-to")
 
 
 def _spellings(given: list[str]) -> dict[str, str]:
