@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
-from difflib import get_close_matches
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.texts import ONE_LETTER, near_names
 
 # A point may also stand before a side (`eyeBlink.L`) or a word for the number (`jawOpen.weight`).
 # ARKit's own constants begin as one word.
@@ -44,7 +44,6 @@ _LONGEST = 200  # characters; a longer text is not a name
 _NUMBER_WORDS = {
     *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
 }
-_SIMILAR = 0.85  # the similarity of a name with one wrong letter, 0 to 1
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 
@@ -74,14 +73,15 @@ def _joined(name: str) -> str | None:
 def similar_channel(name: str, channels: Collection[str]) -> str | None:
     """The one of some ARKit names that was probably meant by a name with a typing error, or None.
 
-    Only for messages: no take is read by it.
+    Only for messages: no take is read by it. A file's names are often its own, so that only one
+    letter may be wrong; where a name must be a channel's, `did_you_mean` goes further.
     """
     if len(name) > _LONGEST:
         return None
     key = _key(name)
-    near = [k for k, one in _BY_KEY.items() if one in channels and abs(len(k) - len(key)) <= 2]
-    close = get_close_matches(key, near, 1, _SIMILAR)
-    return _BY_KEY[close[0]] if close else None
+    near = (k for k, one in _BY_KEY.items() if one in channels and abs(len(k) - len(key)) <= 2)
+    close = near_names(key, {k: _BY_KEY[k] for k in near}, ONE_LETTER)
+    return close[0] if close else None
 
 
 def _key(name: str) -> str:

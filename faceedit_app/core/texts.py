@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import TextIO
 
 LONGEST = 300  # characters of a message, whatever a file or its name contains
 _LONGEST_NAME = 80  # characters of a name that may be misspelled
-_SIMILAR = 0.7  # of names with a few wrong letters, 0 to 1
+# How alike names are, 0 to 1, that differ in one letter, or in a few.
+ONE_LETTER, FEW_LETTERS = 0.85, 0.7
 
 
 def printable(text: str) -> str:
@@ -43,8 +44,19 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
         Such as ` (did you mean mouth_opening?)`; "" if none is near.
     """
     by_key = {_letters(one): one for one in names}
-    near = get_close_matches(_letters(name[:_LONGEST_NAME]), by_key, 3, _SIMILAR)
-    return f" (did you mean {' or '.join(by_key[key] for key in near)}?)" if near else ""
+    near = near_names(_letters(name[:_LONGEST_NAME]), by_key, FEW_LETTERS)
+    return f" (did you mean {' or '.join(near)}?)" if near else ""
+
+
+def near_names(key: str, by_key: Mapping[str, str], likeness: float) -> list[str]:
+    """At most three of some names that were probably meant by an unknown one, the nearest first.
+
+    Args:
+        key: what is compared of the unknown name, such as its letters.
+        by_key: the names that there are, by the same of each.
+        likeness: the least, 0 to 1.
+    """
+    return [by_key[near] for near in get_close_matches(key, by_key, 3, likeness)]
 
 
 def _letters(name: str) -> str:
