@@ -13,8 +13,6 @@ from typing import Any
 
 import pytest
 from support.character_files import parts_of, write_glb
-from support.faces import shipped_rig
-from support.networks import write_models
 from support.places import ROOT
 from support.takes import make_livelink_csv, make_plain_csv
 
@@ -30,11 +28,6 @@ from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.opening import open_take
 
 DEMO = ROOT / "assets" / "demo_take.csv"
-
-
-@pytest.fixture(scope="module")
-def models(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return str(write_models(tmp_path_factory.mktemp("models"), shipped_rig(), 2))
 
 
 @pytest.fixture

@@ -13,7 +13,6 @@ import pytest
 from support.faces import shipped_rig
 from support.networks import write_models
 from support.renderers import need_opengl
-from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -34,37 +33,10 @@ EDIT: dict[str, Any] = {
 }
 
 
-@pytest.fixture(scope="module")
-def models(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return str(write_models(tmp_path_factory.mktemp("models"), shipped_rig(), 2))
-
-
-@pytest.fixture
-def take(tmp_path: Path) -> Path:
-    return make_livelink_csv(tmp_path / "take.csv", dropped=[30, 31])
-
-
 def edits_file(folder: Path, *entries: dict[str, Any]) -> Path:
     path = folder / "edits.json"
     path.write_text(json.dumps({"version": 1, "edits": entries}), encoding="utf-8")
     return path
-
-
-@pytest.fixture
-def complaint(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    """Runs a command that must fail, and gives its one line."""
-
-    def run(*arguments: object) -> str:
-        capfd.readouterr()
-        assert main([str(argument) for argument in arguments]) == 2
-        out, err = capfd.readouterr()
-        assert out == ""
-        assert err.endswith("\n")
-        assert len(err.splitlines()) == 1, err
-        assert err.startswith("faceedit: ")
-        return err
-
-    return run
 
 
 # --- what works --------------------------------------------------------------------------------

@@ -10,40 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.faces import shipped_rig
-from support.networks import write_models
 from support.takes import make_livelink_csv
 
-from faceedit_app.cli import main
 from faceedit_app.editing import recording
 from faceedit_app.formats.opening import open_take
 
 EDIT = {"control": "mouth_opening", "op": "offset", "start": 0.8, "end": 1.2, "value": 6.0}
 SHARED = {"path", "format", "frames", "rate", "duration_s", "notes"}
-
-
-@pytest.fixture(scope="module")
-def models(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return str(write_models(tmp_path_factory.mktemp("models"), shipped_rig(), 2))
-
-
-@pytest.fixture
-def take(tmp_path: Path) -> Path:
-    return make_livelink_csv(tmp_path / "take.csv", dropped=[30, 31])
-
-
-@pytest.fixture
-def printed(capfd: pytest.CaptureFixture[str]) -> Callable[..., dict[str, Any]]:
-    """Runs a command with `--json`, and gives what it prints."""
-
-    def run(*arguments: object, code: int = 0) -> dict[str, Any]:
-        capfd.readouterr()
-        assert main([*map(str, arguments), "--json"]) == code
-        facts = json.loads(capfd.readouterr().out)
-        assert isinstance(facts, dict)
-        return facts
-
-    return run
 
 
 def test_convert_says_what_it_wrote(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,30 +23,13 @@ Run = Callable[..., dict[str, Any]]
 
 
 @pytest.fixture
-def run(capfd: pytest.CaptureFixture[str]) -> Run:
-    """Runs `faceedit words --json`, and gives what it prints."""
-
-    def run(*arguments: object) -> dict[str, Any]:
-        capfd.readouterr()
-        assert main(["words", *map(str, arguments), "--json"]) == 0
-        found: dict[str, Any] = json.loads(capfd.readouterr().out)
-        return found
-
-    return run
+def run(printed: Run) -> Run:
+    return partial(printed, "words")
 
 
 @pytest.fixture
-def complaint(capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    """Runs it where it must fail, and gives its one line."""
-
-    def run(*arguments: object) -> str:
-        capfd.readouterr()
-        assert main(["words", *map(str, arguments)]) == 2
-        out, err = capfd.readouterr()
-        assert (out, len(err.splitlines())) == ("", 1), err
-        return err
-
-    return run
+def complaint(complaint: Callable[..., str]) -> Callable[..., str]:
+    return partial(complaint, "words")
 
 
 @needs_espeak

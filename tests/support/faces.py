@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import pytest
 
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -14,7 +15,7 @@ from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.networks.engine import Engine
-from support.networks import random_region
+from support.networks import random_region, write_models
 
 
 @lru_cache(maxsize=1)
@@ -67,3 +68,9 @@ def talking_clip(
         jaw = weights[:, channels.index("jawOpen")]
         weights[:, channels.index("mouthClose")] = 0.4 * jaw
     return Clip(weights.astype(np.float32), channels, times, rate)
+
+
+@pytest.fixture(scope="session")
+def models(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A folder of models for the shipped character, as given to `--models`."""
+    return str(write_models(tmp_path_factory.mktemp("models"), shipped_rig(), 2))
