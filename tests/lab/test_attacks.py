@@ -95,10 +95,10 @@ def test_a_failure_is_printed_with_its_seed_and_ends_in_1(
 
 @pytest.mark.timeout(400)
 def test_random_gestures_show_what_is_exported(qapp: object) -> None:
-    found = soak(shipped(DEMO_TAKE), seconds=120, seed=3, gestures=80)
+    found = soak(shipped(DEMO_TAKE), seconds=120, seed=3, gestures=40)
     assert not found.problems, found.lines()
-    assert found.gestures >= 80
-    assert found.checks >= 2
+    assert found.gestures >= 40
+    assert found.checks >= 1
 
 
 def test_growth_is_measured_once_everything_was_used() -> None:

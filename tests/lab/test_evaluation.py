@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import math
 import shutil
-from dataclasses import replace
+from contextlib import redirect_stdout
+from dataclasses import dataclass, replace
+from io import StringIO
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from support.faces import random_engine, shipped_rig
 from support.networks import write_models
-from support.performances import RIG, folder_of_takes, performance, tiny
+from support.performances import RIG, folder_of_takes, performance, smallest
 from support.sessions import session_by_networks, shipped_engine
 
 from faceedit_app.cli import main
@@ -21,8 +24,14 @@ from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.formats.opening import open_take
+from faceedit_app.lab.evaluation import evaluate
 from faceedit_app.lab.evaluation.benchmark import run_benchmark, trials
-from faceedit_app.lab.evaluation.evaluate import CLOSING, evaluate_networks, measure_systems
+from faceedit_app.lab.evaluation.evaluate import (
+    CLOSING,
+    Figures,
+    evaluate_networks,
+    measure_systems,
+)
 from faceedit_app.lab.evaluation.faces import FACES, faces_part
 from faceedit_app.lab.evaluation.goals import goals, networks_goals_part
 from faceedit_app.lab.evaluation.systems import Systems
@@ -35,7 +44,6 @@ from faceedit_app.lab.training.card import (
 )
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.completion import is_completed
-from faceedit_app.lab.training.data import load_performances
 from faceedit_app.lab.training.fit import fit_region
 
 
@@ -48,11 +56,34 @@ def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def models(takes: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("models")
     with pytest.MonkeyPatch.context() as patch:
-        # The exporter needs seconds for each region, the fewer the shallower the network.
-        small = {name: tiny(name, widths=(4,)) for name in recipes.RECIPES}
+        small = {name: smallest(name) for name in recipes.RECIPES}
         patch.setattr("faceedit_app.lab.training.run.RECIPES", small)
         assert main(["train", "--data", str(takes), "-o", str(folder), "--epochs", "1"]) == 0
     return folder
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """What `faceedit evaluate` measured and printed, and the folder with its files."""
+
+    figures: Figures
+    printed: str
+    folder: Path
+
+
+@pytest.fixture(scope="module")
+def evaluated(takes: Path, models: Path, tmp_path_factory: pytest.TempPathFactory) -> Evaluated:
+    folder, found = tmp_path_factory.mktemp("evaluated"), []
+
+    def kept(*given: Any) -> Figures:
+        found.append(evaluate_networks(*given))
+        return found[-1]
+
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as printed:
+        patch.setattr(evaluate, "evaluate_networks", kept)
+        given = ["evaluate", str(takes), "--models", str(models), "--json", str(folder / "e.json")]
+        assert main([*given, "--report", str(folder / "report")]) == 0
+    return Evaluated(found[0], printed.getvalue(), folder)
 
 
 def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> None:
@@ -72,14 +103,10 @@ def test_training_writes_models_card_losses_and_no_checkpoint(models: Path) -> N
     ElementTree.fromstring((models / "losses.svg").read_text())
 
 
-def test_evaluate_writes_the_json_of_the_promise(
-    takes: Path, models: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file, report = tmp_path / "e.json", tmp_path / "report"
-    given = ["evaluate", str(takes), "--models", str(models), "--json", str(file)]
-    assert main([*given, "--report", str(report)]) == 0
-    assert "regressor" in capsys.readouterr().out
-    found = json.loads(file.read_text())
+def test_evaluate_writes_the_json_of_the_promise(evaluated: Evaluated) -> None:
+    assert "regressor" in evaluated.printed
+    found = json.loads((evaluated.folder / "e.json").read_text())
+    report = evaluated.folder / "report"
     assert set(found) == {
         "regions", "closures", "edits", "takes", "people", "restoration", "real_or_edited",
         "smile", "asymmetry", "smooth_roughness", "wild", "blinks", "inpainting",
@@ -114,7 +141,8 @@ def test_evaluate_writes_the_json_of_the_promise(
 def test_models_without_the_baseline_are_measured_without_it(takes: Path, tmp_path: Path) -> None:
     write_models(tmp_path, shipped_rig())
     file = tmp_path / "e.json"
-    assert main(["evaluate", str(takes), "--models", str(tmp_path), "--json", str(file)]) == 0
+    one = str(takes / "take_0.csv")
+    assert main(["evaluate", one, "--models", str(tmp_path), "--json", str(file)]) == 0
     found = json.loads(file.read_text())
     assert found["regions"]["lower"]["holden"]["mse"] is None
     assert set(found["closures"]["mouth"]["holden"]["tpr"]) == {None}
@@ -164,7 +192,7 @@ def test_wrong_usage_is_one_line_and_code_2(
 def test_ctrl_c_keeps_what_there_is_and_says_so(
     takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    small = {name: tiny(name, widths=(4,), epochs_regressor=9) for name in recipes.RECIPES}
+    small = {name: smallest(name, epochs_regressor=9) for name in recipes.RECIPES}
     monkeypatch.setattr("faceedit_app.lab.training.run.RECIPES", small)
     from faceedit_app.lab.training import loop
 
@@ -206,7 +234,7 @@ def test_statistics_tell_sources_apart(takes: Path, capsys: pytest.CaptureFixtur
 def test_systems_that_give_the_truth_back_have_no_error() -> None:
     """A stand-in that knows the take: every metric must say that it is right."""
     take = performance(8.0)
-    small = tiny(widths=(4,))
+    small = smallest()
     fitted = [fit_region(r, [performance(25.0)], RIG, small).model for r in REGIONS]
     systems = Systems.of(*fitted)
     from faceedit_app.core.arkit import ARKIT_INDEX
@@ -248,11 +276,10 @@ def test_benchmark_is_the_same_every_time_and_leaves_the_take_alone(takes: Path)
     )
 
 
-def test_goals_tell_reached_from_missed(takes: Path, models: Path) -> None:
-    figures = evaluate_networks(load_performances([takes]), models)
-    found = goals(figures)
+def test_goals_tell_reached_from_missed(evaluated: Evaluated) -> None:
+    found = goals(evaluated.figures)
     assert len(found) > 15
-    text = networks_goals_part(figures)
+    text = networks_goals_part(evaluated.figures)
     assert text.count("| yes |") == sum(goal.reached for goal in found)
     assert text.count("**no**") == sum(not goal.reached for goal in found)
 
@@ -264,7 +291,7 @@ def test_the_card_measures_each_source_by_networks_that_never_saw_it(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    small = {name: tiny(name, widths=(4,)) for name in recipes.RECIPES}
+    small = {name: smallest(name) for name in recipes.RECIPES}
     monkeypatch.setattr("faceedit_app.lab.evaluation.setting.RECIPES", small)
     mine = tmp_path / "models"
     shutil.copytree(models, mine)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from support.performances import RIG, performance, tiny
+from support.performances import RIG, performance, smallest, tiny
 
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.lab.training.fit import Epoch, fit_region
@@ -96,7 +96,7 @@ def test_stop_keeps_the_best_epoch_so_far() -> None:
         if epoch.number == 2:
             raise KeyboardInterrupt
 
-    settings = tiny(epochs_regressor=50)
+    settings = smallest(epochs_regressor=50)
     stopped = fit_region(EYELIDS, TAKES, RIG, settings, stop)
     assert stopped.stopped
     assert len(epochs) == 2, "the stop did not end the training"
@@ -136,7 +136,7 @@ def test_papers_recipe_adapts_statistics_and_nothing_else_of_the_regressor() -> 
 
 @pytest.mark.parametrize("recipe", ["faceedit", "paper"])
 def test_fitted_networks_answer_from_their_file_as_in_torch(tmp_path: Path, recipe: str) -> None:
-    model = fit_region(LOWER, TAKES, RIG, tiny(recipe)).model
+    model = fit_region(LOWER, TAKES, RIG, smallest(recipe)).model
     save_trained(tmp_path / "lower.onnx", model)
     answer = read_region(tmp_path / "lower.onnx")
     back = load_trained(tmp_path / "lower.onnx")
@@ -186,7 +186,7 @@ def test_learning_rate_falls_along_a_cosine() -> None:
 
 
 def test_baseline_answers_from_its_file_as_in_torch(tmp_path: Path) -> None:
-    model, histories = fit_holden(EYELIDS, TAKES, RIG, tiny())
+    model, histories = fit_holden(EYELIDS, TAKES, RIG, smallest())
     assert [len(h.held) for h in histories.values()] == [2, 3]
     save_trained(tmp_path / "h.onnx", model)
     answer = read_region(tmp_path / "h.onnx")

@@ -8,37 +8,40 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.performances import folder_of_takes, tiny
+from support.performances import folder_of_takes, smallest
 
 from faceedit_app.cli import main
 from faceedit_app.lab.training.processes import Processes, processes
 from faceedit_app.lab.training.settings import RECIPES
 
-# `faceedit` with networks that are exported in a second, not in ten.
+# `faceedit` with small networks, and graphs that the test has exported.
 SCRIPT = """
 import sys
-from support.performances import tiny
+from pathlib import Path
+from support.graphs import kept_in
+from support.performances import smallest
 from faceedit_app.cli import main
-from faceedit_app.lab.training import run
-run.RECIPES = {name: tiny(name, widths=(4,), completion_widths=(4,)) for name in run.RECIPES}
-sys.exit(main(sys.argv[1:]))
+from faceedit_app.lab.training import export, run
+export._template = kept_in(Path(sys.argv[1]))
+run.RECIPES = {name: smallest(name) for name in run.RECIPES}
+sys.exit(main(sys.argv[2:]))
 """
 
 
 @pytest.mark.timeout(600)  # three more interpreters import torch
 def test_two_processes_give_the_same_networks_and_figures_as_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, graphs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     takes = folder_of_takes(tmp_path / "someone", seconds=14.0)
     alone, shared = (tmp_path / name / "models" for name in ("alone", "shared"))
     train = ["train", "--data", str(takes), "--epochs", "1", "--no-baseline", "-o"]
-    small = {name: tiny(name, widths=(4,), completion_widths=(4,)) for name in RECIPES}
+    small = {name: smallest(name) for name in RECIPES}
     monkeypatch.setattr("faceedit_app.lab.training.run.RECIPES", small)
     assert main([*train, str(alone)]) == 0
     script = tmp_path / "small.py"
     script.write_text(SCRIPT)
     torchrun = [sys.executable, "-m", "torch.distributed.run", "--standalone"]
-    command = [*torchrun, "--nproc-per-node", "2", str(script), *train, str(shared)]
+    command = [*torchrun, "--nproc-per-node", "2", str(script), str(graphs), *train, str(shared)]
     tests = Path(__file__).parents[1]
     paths = [str(tests.parent), str(tests), os.environ.get("PYTHONPATH", "")]
     env = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}

@@ -37,6 +37,11 @@ def tiny(recipe: str = "faceedit", **changes: object) -> FitSettings:
     return replace(RECIPES[recipe], **(small | changes))  # type: ignore[arg-type]
 
 
+def smallest(recipe: str = "faceedit", **changes: object) -> FitSettings:
+    """A recipe for what is exported: the fewer layers, the sooner, and all share the graphs."""
+    return tiny(recipe, widths=(4,), completion_widths=(4,), **changes)
+
+
 def folder_of_takes(folder: Path, count: int = 2, seconds: float = 12.0) -> Path:
     """Takes as Live Link Face files that a telephone could have written."""
     folder.mkdir(parents=True, exist_ok=True)
