@@ -84,9 +84,14 @@ def _explained(path: Path, error: Exception) -> FileError:
     return FileError(path, f"cannot be read as sound or film ({reason})", _REMEDY)
 
 
+def films(container: InputContainer) -> list[VideoStream]:
+    """The video streams that are no cover pictures."""
+    return [s for s in container.streams.video if not int(s.disposition) & _COVER]
+
+
 def find_film(container: InputContainer) -> VideoStream | None:
     """The first video stream that is not a cover picture, or None."""
-    return next((s for s in container.streams.video if not int(s.disposition) & _COVER), None)
+    return next(iter(films(container)), None)
 
 
 def find_sound(container: InputContainer) -> AudioStream | None:

@@ -5,52 +5,24 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Pixels, Times
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.media.container import check, file_errors, film_stream, open_container, opened
+from faceedit_app.media.container import file_errors, film_stream, open_container, opened
+from faceedit_app.media.film_index import decoded, index_of
 
 if TYPE_CHECKING:
     from av import VideoFrame
     from av.container import InputContainer
-    from av.video.stream import VideoStream
-
-Ticks = NDArray[np.int64]
 
 LONGEST_SIDE = 1280  # pixels; larger films are scaled down
 _MEMORY = 192 * 2**20  # bytes of cached pictures
 BEHIND = 24  # pictures cached on the way to the wanted one, when the playhead moves back
-# Containers with the time of each picture. In others (MPEG) times are guesses after a seek, so they
-# are decoded from the beginning whenever the playhead moves back.
-_EXACT = {"mov", "mp4", "matroska", "webm", "avi"}
 _AHEAD = 12  # pictures decoded ahead of the playhead
-
-
-@dataclass(frozen=True)
-class _Index:
-    """The index of a film. Pictures are numbered in the order in which they are shown.
-
-    Attributes:
-        tick: the seconds in a tick.
-        stamps: (F,) ticks at which the pictures are shown.
-        keys: (P,) the pictures at which decoding can begin; the first is 0.
-        key_stamps: (P,) ticks to seek to for these; files are in decoding order.
-    """
-
-    tick: float
-    stamps: Ticks
-    keys: Ticks
-    key_stamps: Ticks
-
-    def without_jumps(self) -> _Index:
-        """The same index with only the first picture as a key."""
-        return _Index(self.tick, self.stamps, self.keys[:1], self.key_stamps[:1])
 
 
 class Film:
@@ -62,7 +34,9 @@ class Film:
             a varying rate.
         rate: pictures per second on average.
         timecode: of the first picture, as the file writes it, if it has one.
-        first: the first picture that is not damaged, as far as is known.
+        remarks: what the user should know about the file, a sentence without its full stop each.
+        damaged: the pictures that are damaged, as far as they were asked for; another one, or part
+            of one, is shown instead.
     """
 
     def __init__(self, path: Path, stopped: Callable[[], bool] | None = None) -> None:
@@ -78,17 +52,15 @@ class Film:
         """
         self.path = path
         with opened(path) as container:
-            self.timecode = _timecode(container)
-            self._index = _indexed(path, container, stopped)
-            if not _EXACT & set(container.format.name.split(",")):
-                self._index = self._index.without_jumps()
+            self._index = index_of(path, container, stopped)
+        self.timecode, self.remarks = self._index.timecode, self._index.remarks
         stamps = self._index.stamps
         self.times: Times = (stamps - stamps[0]) * self._index.tick
         self.rate = (len(stamps) - 1) / float(self.times[-1]) if len(stamps) > 1 else 25.0
         self._container: InputContainer | None = None
         self._frames: Iterator[VideoFrame] | None = None
         self._next = 0  # the picture that is decoded next
-        self.first = 0
+        self.damaged: set[int] = set()
         self._cache: OrderedDict[int, Pixels] = OrderedDict()
         self._bytes = 0
         self._lock = threading.Lock()  # guards the cache
@@ -166,19 +138,23 @@ class Film:
             any_: take the next picture if there is none up to it, since the first are damaged.
         """
         latest: VideoFrame | None = None
+        shown = -1  # the number of the latest
         for frame in self._frames or ():
-            at = self._number(frame)
+            at = self._index.number(frame.pts or 0)
             if at > index and latest is None and not any_:
                 return None
             self._next = at + 1
             if at <= index or latest is None:
-                latest = frame
-                self.first = max(self.first, at if at > index else 0)
+                latest, shown = frame, at
             if index - behind <= at < index or at > index:
                 self._keep(at, frame)
             if at >= index:
                 break
-        return self._keep(index, latest) if latest is not None else None
+        if latest is None:
+            return None
+        if shown != index:
+            self.damaged.add(index)
+        return self._keep(index, latest)
 
     def _seek(self, key: int) -> None:
         if key == 0:
@@ -189,17 +165,13 @@ class Film:
         stream = film_stream(self._container)
         if key > 0:
             self._container.seek(int(self._index.key_stamps[key]), stream=stream, backward=True)
-        self._frames = _decoded(self._container, stream)
+        self._frames = (f for f in decoded(self._container, stream) if f.pts is not None)
         self._next = 0
-
-    def _number(self, frame: VideoFrame) -> int:
-        if frame.pts is None:
-            return self._next
-        at = int(np.searchsorted(self._index.stamps, frame.pts, side="right")) - 1
-        return max(at, 0)
 
     def _keep(self, index: int, frame: VideoFrame) -> Pixels:
         picture = _upright(frame, self._aspect())
+        if frame.is_corrupt:
+            self.damaged.add(index)
         with self._lock:
             if index not in self._cache:
                 self._cache[index] = picture
@@ -212,71 +184,6 @@ class Film:
     def _aspect(self) -> float:
         assert self._container is not None
         return float(film_stream(self._container).sample_aspect_ratio or 1)
-
-
-def _indexed(path: Path, container: InputContainer, stopped: Callable[[], bool] | None) -> _Index:
-    """Index a film, without decoding it if possible."""
-    stream = film_stream(container)
-    assert stream.time_base is not None
-    shown: list[int] = []
-    keys: list[tuple[int, int]] = []
-    for packet in container.demux(stream):
-        check(stopped)
-        if packet.size == 0 or packet.is_discard:
-            continue
-        if packet.pts is None:
-            return _decoded_index(path, stopped)
-        shown.append(packet.pts)
-        if packet.is_keyframe:
-            keys.append((packet.pts, packet.pts if packet.dts is None else packet.dts))
-    return _made_index(path, float(stream.time_base), shown, keys)
-
-
-def _timecode(container: InputContainer) -> str | None:
-    """The timecode, which cameras write to the video stream, a separate one, or the file."""
-    for holder in (film_stream(container), *container.streams, container):
-        if text := holder.metadata.get("timecode"):
-            return str(text)
-    return None
-
-
-def _decoded_index(path: Path, stopped: Callable[[], bool] | None) -> _Index:
-    """Index a film by decoding it, if not every picture has a time (AVI, old MPEG)."""
-    shown: list[int] = []
-    keys: list[tuple[int, int]] = []
-    with opened(path) as container:
-        stream = film_stream(container)
-        assert stream.time_base is not None
-        stream.thread_type = "AUTO"
-        for frame in _decoded(container, stream):
-            check(stopped)
-            if frame.pts is not None:
-                shown.append(frame.pts)
-                if frame.key_frame:
-                    keys.append((frame.pts, frame.pts if frame.dts is None else frame.dts))
-        return _made_index(path, float(stream.time_base), shown, keys)
-
-
-def _made_index(path: Path, tick: float, shown: list[int], keys: list[tuple[int, int]]) -> _Index:
-    if not shown:
-        raise FileError(path, "has no pictures", "choose another file")
-    stamps = np.unique(np.array(shown, np.int64))
-    pairs = np.array(sorted(keys) or [(shown[0], shown[0])], np.int64)
-    numbers = np.searchsorted(stamps, pairs[:, 0])
-    numbers[0] = 0  # pictures whose key was cut off are decoded as far as possible
-    return _Index(tick, stamps, numbers, pairs[:, 1])
-
-
-def _decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
-    """Pictures in the order in which they are shown; damaged ones are left out."""
-    from av.error import InvalidDataError
-
-    for packet in container.demux(stream):
-        try:
-            frames = packet.decode()
-        except InvalidDataError:
-            continue
-        yield from frames
 
 
 def _upright(frame: VideoFrame, aspect: float) -> Pixels:

@@ -63,6 +63,7 @@ class FilmLandmarks:
         probabilities: (F,) as `Face.probability`; 0 where it was not found.
         colors: (F, 478, 3) uint8, see `colors_at`; 0 where it was not found.
         lips: (F, SAMPLES, 3) uint8, see `colors_across`; 0 where it was not found; None = unknown.
+        remarks: as `Film.remarks`.
     """
 
     path: Path
@@ -74,6 +75,7 @@ class FilmLandmarks:
     probabilities: Doubles
     colors: Pixels
     lips: Pixels | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def quarter_turns(self) -> int:
@@ -166,7 +168,10 @@ def read_landmarks(
     if not seeing.seen.probabilities.any():
         if face is not None:
             raise NoFaceThere(path, face)
-        raise FileError(path, "shows no face", "use a film in which a face looks at the camera")
+        why = f" ({film.remarks[0]})" if film.remarks else ""
+        raise FileError(
+            path, f"shows no face{why}", "use a film in which a face looks at the camera"
+        )
     return seeing.seen
 
 
@@ -198,6 +203,7 @@ class _Seeing:
             np.zeros(count),
             np.zeros((count, LANDMARKS, 3), np.uint8),
             np.zeros((count, SAMPLES, 3), np.uint8),
+            film.remarks,
         )
 
     def has_face(self, index: int) -> bool:
@@ -212,7 +218,7 @@ class _Seeing:
         """
         is_back = index < self._first
         picture = self._film.picture(index, BEHIND if is_back else 0)
-        if index < self._film.first:  # damaged: what is shown instead was not there yet
+        if index in self._film.damaged:  # what is shown instead is of another moment
             return None
         image = Image.fromarray(np.ascontiguousarray(picture[..., 2::-1]))
         if self._follower is None:

@@ -85,10 +85,12 @@ class Tracked:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the user should know."""
-        notes = []
+        notes = list(self.landmarks.remarks)
         lost = int((~self.sure).sum())
         if lost:
-            notes.append(f"{lost} of {len(self.sure)} pictures show the face badly: they are gaps")
+            so = "shows the face badly: it is a gap"
+            so = so if lost == 1 else "show the face badly: they are gaps"
+            notes.append(f"{lost} of {len(self.sure)} pictures {so}")
         if self.person.is_ajar:
             notes.append("the lips never touch: how far they are open is less exact")
         turns = self.landmarks.quarter_turns
@@ -185,7 +187,7 @@ def fit_landmarks(
         progress: as in `fit_weights`.
 
     Raises:
-        FileError: too few pictures show a face.
+        FileError: too few pictures show a face, or show it well enough to be kept.
     """
     found = np.flatnonzero(film.probabilities > 0)
     if len(found) < _FEWEST:
@@ -212,7 +214,14 @@ def fit_landmarks(
     plain = seen_share(model, film.colors[found], fit.poses.angles[:, 0])
     confidence[found] = film.probabilities[found] * _likeness(fit) * plain
     _doubt_moments(confidence)
-    return Tracked(film, weights, head, confidence, person)
+    tracked = Tracked(film, weights, head, confidence, person)
+    if (kept := int(tracked.sure.sum())) < _FEWEST:
+        raise FileError(
+            film.path,
+            f"shows the face well in only {counted(kept, 'picture')} of {count}",
+            "use a film in which it looks at the camera, with nothing before the mouth",
+        )
+    return tracked
 
 
 def _doubt_moments(confidence: Doubles) -> None:

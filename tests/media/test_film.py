@@ -8,7 +8,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from support.films import SIZE, make_film, number_of
+from support.films import SIZE, damage_pictures, make_film, number_of
 
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.media.container import Abandoned
@@ -90,17 +90,57 @@ def test_a_damaged_stretch_shows_what_is_there(tmp_path: Path) -> None:
 
 def test_a_film_whose_beginning_is_damaged_begins_where_it_is_not(tmp_path: Path) -> None:
     path = make_film(tmp_path / "a.mov", frames=60, gop=10)
-    with av.open(str(path)) as container:
-        packets = [packet for packet in container.demux(video=0) if packet.size]
-        places = [(packet.pos or 0, packet.size) for packet in packets[:8]]
-    data = bytearray(path.read_bytes())
-    for place, size in places:
-        data[place : place + size] = bytes(size)
-    path.write_bytes(data)
+    damage_pictures(path, slice(8))
     film = Film(path)
-    assert 0 < film.index_at(number_of(film.picture(0)) / film.rate) <= 10
-    assert film.first == number_of(film.picture(0))
+    first = number_of(film.picture(0))
+    assert 0 < film.index_at(first / film.rate) <= 10
     assert number_of(film.picture(30)) == 30
+    assert film.damaged == {0}
+    film.picture(first - 1)
+    film.picture(first)
+    assert film.damaged == {0, first - 1}
+
+
+@pytest.mark.parametrize(
+    ("name", "codec", "kept"),
+    [("a.mkv", "libx264", 0.5), ("a.avi", "mpeg4", 0.7), ("a.mpg", "mpeg2video", 1.0)],
+)
+def test_a_film_that_breaks_off_says_how_much_is_missing(
+    tmp_path: Path, name: str, codec: str, kept: float
+) -> None:
+    path = make_film(tmp_path / name, frames=90, gop=10, b_frames=0, codec=codec)
+    assert Film(path).remarks == ()
+    whole = path.read_bytes()
+    path.write_bytes(whole[: round(kept * len(whole))])
+    film = Film(path)
+    missing = 3.0 - film.duration
+    said = f"the film breaks off: its last {missing:.1f} s are missing in the file"
+    assert film.remarks == ((said,) if kept < 1 else ())
+    assert kept == 1 or missing > 0.5
+
+
+def test_sound_that_is_longer_than_the_film_is_not_missing(tmp_path: Path) -> None:
+    assert Film(make_film(tmp_path / "a.mp4", stamps=[0, 20, 40, 60], sound=0.1)).remarks == ()
+
+
+def test_of_two_films_in_a_file_the_first_is_used_which_is_said(tmp_path: Path) -> None:
+    one = make_film(tmp_path / "one.mp4")
+    with av.open(str(one)) as source, av.open(str(tmp_path / "two.mkv"), "w") as out:
+        packets = [packet for packet in source.demux(video=0) if packet.size]
+        streams = [out.add_stream_from_template(source.streams.video[0]) for _ in range(2)]
+        for stream in streams:
+            for packet in packets:
+                packet.stream = stream
+                out.mux(packet)
+    film = Film(tmp_path / "two.mkv")
+    assert film.remarks == ("the file holds 2 films: the first is used",)
+    assert number_of(film.picture(7)) == 7
+
+
+def test_pictures_without_times_are_no_film(tmp_path: Path) -> None:
+    make_film(tmp_path / "a.h264").rename(tmp_path / "a.mp4")
+    with pytest.raises(FileError, match="does not say when its pictures are shown; convert it"):
+        Film(tmp_path / "a.mp4")
 
 
 def test_what_is_wrong_is_said_in_a_line(tmp_path: Path, film: Film) -> None:

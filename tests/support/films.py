@@ -55,6 +55,17 @@ def numbered(number: int) -> NDArray[np.uint8]:
     return picture
 
 
+def damage_pictures(path: Path, which: slice) -> None:
+    """Make pictures of a film, by their place in the file, impossible to decode."""
+    with av.open(str(path)) as container:
+        packets = [packet for packet in container.demux(video=0) if packet.size]
+        places = [(packet.pos or 0, packet.size) for packet in packets[which]]
+    data = bytearray(path.read_bytes())
+    for place, size in places:
+        data[place : place + size] = bytes(size)
+    path.write_bytes(data)
+
+
 def number_of(picture: NDArray[np.uint8]) -> int:
     """What `numbered` wrote, read from an upright picture."""
     row = picture[CELL // 2, CELL // 2 :: CELL, 1] > 128

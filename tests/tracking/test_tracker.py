@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
 from support.faces import shipped_rig
-from support.films import make_film, make_wav
+from support.films import damage_pictures, make_film, make_wav
 from support.tracker import needs_tracker
 
 from faceedit_app.core.arkit import ARKIT_INDEX
@@ -169,6 +169,23 @@ def test_a_scene_in_other_light_is_no_hand(
     ]
     found = track_film(make_face_film(tmp_path / "light.mp4", lit), shipped_rig())
     assert found.sure.all()
+
+
+def test_damaged_pictures_are_a_gap(tmp_path: Path, film: Path) -> None:
+    """A player shows the picture before them, and of its face the tracker would be sure."""
+    path = tmp_path / "damaged.mp4"
+    path.write_bytes(film.read_bytes())
+    damage_pictures(path, slice(-6, -2))
+    found = track_film(path, shipped_rig())
+    lost = np.flatnonzero(~found.sure)
+    assert 4 <= len(lost) <= 8
+    assert lost.min() >= len(found.sure) - 8
+
+
+def test_a_face_that_is_never_seen_well_is_no_take(tmp_path: Path) -> None:
+    turned = face_pictures(speaking(10), yaw=np.radians(62.0))
+    with pytest.raises(FileError, match=r"the face well in only \d pictures? of 10; use a film"):
+        track_film(make_face_film(tmp_path / "side.mp4", turned), shipped_rig())
 
 
 def test_a_pause_of_the_camera_is_a_gap_and_no_slow_film(

@@ -294,7 +294,8 @@ class TakeMedia(QObject):
                 self.failed.emit(error)
             if found.film is not None or found.sound is not None:
                 self._add(path, found)
-                self.message.emit(f"Added {path.name}")
+                said = () if found.film is None else found.film.remarks
+                self.message.emit("; ".join((f"Added {path.name}", *said)))
                 self.acted.emit()
 
         self._run(read, done, self.failed.emit)
