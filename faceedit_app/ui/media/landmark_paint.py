@@ -10,10 +10,20 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.tracking.drawing import STROKES
 
 
+_EYES = 33, 263  # the outer corners
+# Of the distance between them: how thick lines are, and how large the points of a control. On a
+# small face they would hide what they show; these are the least and the most, pixels.
+_LINE, _LINES = 0.012, (0.6, 1.4)
+_POINT, _POINTS = 0.018, (0.7, 2.2)
+
+
 def paint_landmarks(painter: QPainter, places: Doubles, room: QRectF) -> None:
     """Paint the landmarks (478, 2), shares of a picture's width and height, where it is shown."""
     corner, extent = np.array([room.x(), room.y()]), np.array([room.width(), room.height()])
     on_screen = corner + places * extent
+    first, second = on_screen[list(_EYES)]
+    apart = float(np.linalg.norm(first - second))
+    line, point = np.clip(_LINE * apart, *_LINES), np.clip(_POINT * apart, *_POINTS)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for stroke in STROKES:
         points = on_screen[list(stroke.landmarks)]
@@ -21,10 +31,10 @@ def paint_landmarks(painter: QPainter, places: Doubles, room: QRectF) -> None:
             continue
         corners = [QPointF(x, y) for x, y in points.tolist()]
         color = QColor(stroke.color)
-        painter.setPen(QPen(color, 1.4))
+        painter.setPen(QPen(color, float(line)))
         painter.drawPolyline(QPolygonF(corners))
         if stroke.is_control:
             painter.setBrush(color)
             for corner_ in corners:
-                painter.drawEllipse(corner_, 2.2, 2.2)
+                painter.drawEllipse(corner_, float(point), float(point))
             painter.setBrush(Qt.BrushStyle.NoBrush)
