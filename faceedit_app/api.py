@@ -65,7 +65,7 @@ def open(path: Path | str, fps: float | None = None, models: Path | None = None)
     try:
         return Take(open_session(path, rig, engine, fps))
     except FileError as error:
-        raise error.with_remedy(error.remedy.replace("--fps ", "fps=")) from None
+        raise error.with_remedy(error.command_remedy.replace("--fps ", "fps=")) from None
 
 
 @lru_cache(maxsize=4)
@@ -354,7 +354,9 @@ class Take:
         try:
             return exporting.export_session(self.session, path, form, options)
         except Kept as error:
-            raise Kept(error.path, error.reason, "give overwrite=True") from None
+            raise error.with_remedy(
+                error.command_remedy.replace("add --overwrite", "give overwrite=True")
+            ) from None
 
     def film(
         self,

@@ -28,7 +28,7 @@ def main(arguments: list[str] | None = None) -> int:
             return run_command(given)
         return _open_window(given)
     except FaceEditError as error:
-        say(f"faceedit: {error}", to=sys.stderr)
+        say(f"faceedit: {error.for_command}", to=sys.stderr)
         return USAGE_ERROR
     except KeyboardInterrupt:
         return 130

@@ -191,11 +191,12 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
 
 def _need_shapes(character: Character) -> None:
     if not character.targets:
+        export = "export it with its morph targets (shape keys)"
         raise FileError(
             character.path,
             "has no blendshapes",
-            "export it with its morph targets (shape keys), or make some: File > Character > Make "
-            "from a scan, or faceedit character make",
+            f"{export}, or make some: File > Character > Make from a scan",
+            command_remedy=f"{export}, or make some with faceedit character make",
         )
 
 

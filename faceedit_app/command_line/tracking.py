@@ -69,7 +69,7 @@ def track(
         except FileError as error:
             if film.is_file():
                 raise
-            print(f"faceedit: {error}", file=sys.stderr)
+            print(f"faceedit: {error.for_command}", file=sys.stderr)
             code = 2
             continue
         facts.append(_facts(found, take, fps))

@@ -233,7 +233,7 @@ def _aligned(
     except FileError:
         raise
     except FaceEditError as error:
-        raise FaceEditError(f"{sound.path}: {error}") from error
+        raise FaceEditError(f"{sound.path}: {error.for_command}") from error
 
 
 def _match(

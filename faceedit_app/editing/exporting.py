@@ -190,7 +190,7 @@ def choose(
             if form.key == key:
                 if ending in _all_endings(*formats) and ending not in _all_endings(form):
                     problem = f"does not end like a file of the format {form.name}"
-                    raise FileError(path, problem, f"use {form.ending}, or another --format")
+                    raise FileError(path, problem, f"use {form.ending}, or another format")
                 return form
         raise FaceEditError(f"{key}: must be one of {', '.join(form.key for form in formats)}")
     own = own_format(take) if take is not None else None

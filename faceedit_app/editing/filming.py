@@ -175,7 +175,7 @@ def film_take(
     edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
     size = shot.size[0] - shot.size[0] % 2, shot.size[1] - shot.size[1] % 2
     keep_inputs([path], (part.path for part in (media.sound, media.film) if part is not None))
-    make_way(path, take.path, shot.overwrite, way="")
+    make_way(path, take.path, shot.overwrite, can_allow=False)
     with ExitStack() as opened:
         film = None
         if shot.view.has_film and media.film is not None:

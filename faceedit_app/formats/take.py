@@ -277,6 +277,7 @@ def _timing(recording: Recording, fps: float | None) -> Timing:
         raise FileError(
             recording.path,
             f"lasts {format_time(found.times[-1])} by its times",
-            "split it into shorter takes, or give its frame rate, such as --fps 60",
+            "split it into shorter takes",
+            command_remedy="split it into shorter takes, or give its frame rate, such as --fps 60",
         )
     return found

@@ -49,7 +49,8 @@ class RateNeeded(FileError):
     def __init__(self, path: Path | str, problem: str, rate: float, frames: int):
         self.rate, self.frames = rate, frames
         number = format_rate(rate).removesuffix(" fps")
-        super().__init__(path, problem, f"give its frame rate, such as --fps {number}")
+        remedy = "give its frame rate"
+        super().__init__(path, problem, remedy, command_remedy=f"{remedy}, such as --fps {number}")
 
 
 class NoTimes(ValueError):

@@ -89,7 +89,7 @@ def find_protocol(key: str, sends: bool = False) -> Protocol:
     for protocol in known:
         if protocol.key == key:
             return protocol
-    raise FaceEditError(f"--protocol {key}: must be {' or '.join(one.key for one in known)}")
+    raise FaceEditError(f"{key}: the protocol must be {' or '.join(one.key for one in known)}")
 
 
 class Sender:

@@ -17,7 +17,7 @@ from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, parse, to_text
 from faceedit_app.core.resample import GRID_RATE
-from faceedit_app.networks.description import KEY, REMEDY
+from faceedit_app.networks.description import KEY, UnusableModel
 from faceedit_app.networks.graph import INPUT, read_graph
 from faceedit_app.networks.made_for import MadeFor
 from faceedit_app.networks.region import damage_named, read_bytes, session
@@ -74,7 +74,7 @@ class CompletionDescription:
         if (version := entry.whole("completion")) != VERSION:
             raise FileError(path, f"has version {version}, not {VERSION}", "update FaceEdit")
         if (rate := entry.number("rate")) != GRID_RATE:
-            raise FileError(path, f"answers {rate:g} frames a second, not {GRID_RATE:g}", REMEDY)
+            raise UnusableModel(path, f"answers {rate:g} frames a second, not {GRID_RATE:g}")
         controls = entry.texts("controls")
         if not controls or not set(controls) <= set(CONTROL_IDS):
             raise FieldError('"controls" names no control, or an unknown one')

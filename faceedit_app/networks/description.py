@@ -20,11 +20,24 @@ from faceedit_app.networks.made_for import MadeFor
 KEY = "faceedit"
 """The key of the description in an ONNX file's metadata."""
 VERSION = 2
-REMEDY = "choose a folder of models written by faceedit train, or reinstall FaceEdit"
 _LONGEST = 2_000_000  # characters
 _LONGEST_NAME = 40
 _LARGEST_SCALE, _LARGEST_CONTEXT = 64, 1_024  # frames
 _LARGEST_NUMBER = 1e9
+
+
+class UnusableModel(FileError):
+    """A model's file that is damaged, or holds something else.
+
+    Args:
+        path: the file.
+        problem: what is wrong with it.
+    """
+
+    def __init__(self, path: Path | str, problem: str) -> None:
+        remedy = "reinstall FaceEdit"  # the window uses the model that ships
+        training = f"choose a folder of models written by faceedit train, or {remedy}"
+        super().__init__(path, problem, remedy, command_remedy=training)
 
 
 @dataclass(frozen=True)
@@ -121,7 +134,7 @@ class Description:
         if (version := entry.whole("version")) != VERSION:
             raise FileError(path, f"has version {version}, not {VERSION}", "update FaceEdit")
         if (rate := entry.number("rate")) != GRID_RATE:
-            raise FileError(path, f"answers {rate:g} frames a second, not {GRID_RATE:g}", REMEDY)
+            raise UnusableModel(path, f"answers {rate:g} frames a second, not {GRID_RATE:g}")
         controls = _names(entry, "controls", CONTROL_IDS, path)
         channels = _names(entry, "channels", MODELLED_CHANNELS, path)
         architecture = entry.fields("architecture")

@@ -15,7 +15,7 @@ from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError
-from faceedit_app.networks.description import KEY, REMEDY, Description
+from faceedit_app.networks.description import KEY, Description, UnusableModel
 from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
 
 MEMORY = 256 << 20  # bytes, for all networks of the process; ours take about 10 MB
@@ -100,9 +100,9 @@ def damage_named(path: Path) -> Iterator[None]:
     except FileError:
         raise
     except FieldError as error:
-        raise FileError(path, f"is not a FaceEdit model: {error}", REMEDY) from error
+        raise UnusableModel(path, f"is not a FaceEdit model: {error}") from error
     except Exception as error:
-        raise FileError(path, "is not a FaceEdit model, or is damaged", REMEDY) from error
+        raise UnusableModel(path, "is not a FaceEdit model, or is damaged") from error
 
 
 def read_region(path: Path | str) -> RegionAnswer:
@@ -123,14 +123,14 @@ def read_bytes(path: Path) -> bytes:
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):  # a pipe may never end
-            raise FileError(path, "is not a file", REMEDY)
+            raise UnusableModel(path, "is not a file")
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise FileError(path, f"cannot be read ({reason})", REMEDY) from error
+        raise UnusableModel(path, f"cannot be read ({reason})") from error
     if len(content) > LARGEST:
-        raise FileError(path, "is too large for a FaceEdit model", REMEDY)
+        raise UnusableModel(path, "is too large for a FaceEdit model")
     return content
 
 

@@ -71,7 +71,13 @@ def find_landmarks(
     """
     landmarks = scan_landmarks(template, scan, FaceLandmarker(landmarker))
     if landmarks is None or len(landmarks.positions) < _FEWEST:
-        raise FileError(path, "shows no face", "give its control points with --points")
+        remedy = "use a scan that shows eyes, nose and mouth"
+        raise FileError(
+            path,
+            "shows no face",
+            remedy,
+            command_remedy=f"{remedy}, or give its control points with --points",
+        )
     return landmarks
 
 

@@ -120,8 +120,12 @@ def pronounce(words: Iterable[str], sounds_like: Mapping[str, str]) -> dict[str,
             names += f" and {len(unknown) - _MOST_NAMED} more"
         first = next(iter(unknown))
         spelling = suggestion(first) or "key ow"
-        remedy = f'give English words, such as --sounds-like {first[:40]}="{spelling}"'
+        what, give = f"Not in the dictionary: {names};", "give English words"
         if is_foreign(" ".join(found) + " " + " ".join(unknown), unknown):
-            remedy = "for other languages, open a file with the times of the words"
-        raise FaceEditError(f"Not in the dictionary: {names}; {remedy}")
+            other = "for other languages, open a file with the times of the words"
+            raise FaceEditError(f"{what} {other}")
+        raise FaceEditError(
+            f"{what} {give} that sound like them",
+            for_command=f'{what} {give}, such as --sounds-like {first[:40]}="{spelling}"',
+        )
     return found

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import ast
 import os
+import re
 from pathlib import Path
 
 import pytest
 
+import faceedit_app
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import LONGEST, plain_line, say
+from faceedit_app.formats.timing import RateNeeded
+
+PACKAGE = Path(faceedit_app.__file__).parent
+SHARED = [  # all that the window uses; `api.py` calls the options by their names in Python
+    room
+    for room in sorted(PACKAGE.iterdir())
+    if room.suffix in {"", ".py"}
+    and room.stem not in {"__pycache__", "command_line", "batch", "lab", "cli", "api"}
+]
 
 
 @pytest.mark.parametrize(
@@ -37,6 +49,33 @@ def test_an_error_of_a_file_names_file_line_and_remedy_in_300_characters(
     assert problem[:8] in str(error)
     assert str(error).endswith("; delete the row")
     assert error.path == Path(path)
+
+
+def test_options_of_commands_are_named_only_where_a_command_was_typed() -> None:
+    error = FileError("a.csv", "has no times", "give them", command_remedy="give them, or --fps")
+    assert str(error) == "a.csv: has no times; give them"
+    assert error.for_command == "a.csv: has no times; give them, or --fps"
+    assert str(error.with_remedy("give fps=60")) == "a.csv: has no times; give fps=60"
+    needed = RateNeeded("a.csv", "has no times", 60, 5).with_remedy("give fps=60")
+    assert (type(needed), needed.rate, needed.for_command) == (RateNeeded, 60, str(needed))
+
+
+@pytest.mark.parametrize("room", SHARED, ids=lambda room: room.name)
+def test_errors_of_code_that_the_window_shares_name_no_option_of_a_command(room: Path) -> None:
+    for file in [room] if room.is_file() else sorted(room.rglob("*.py")):
+        tree = ast.parse(file.read_text("utf-8"))
+        for_commands = {
+            text
+            for call in ast.walk(tree)
+            if isinstance(call, ast.Call)
+            for given in call.keywords
+            if given.arg in {"for_command", "command_remedy"}
+            for text in ast.walk(given.value)
+        }
+        for text in ast.walk(tree):
+            if isinstance(text, ast.Constant) and isinstance(text.value, str):
+                names = re.search(r"(^|\s)--[a-z]", text.value)
+                assert names is None or text in for_commands, f"{file}, line {text.lineno}"
 
 
 def test_a_short_error_is_shown_as_it_is() -> None:

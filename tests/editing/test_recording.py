@@ -173,7 +173,7 @@ def test_the_command_plays_a_take(tmp_path: Path, capfd: pytest.CaptureFixture[s
         receiver.close()
     assert f"as VMC to 127.0.0.1:{port}" in capfd.readouterr().out
     assert main(["live", str(take), "--protocol", "ifacialmocap"]) == 2
-    assert "--protocol ifacialmocap: must be livelink or vmc" in capfd.readouterr().err
+    assert "ifacialmocap: the protocol must be livelink or vmc" in capfd.readouterr().err
 
 
 def test_the_command_says_when_nothing_came(

@@ -135,7 +135,7 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
         (b'{"emotionNames": ["joy"], "emotionKeys": [[0.1]]}', "emotions", "facsNames"),
         (b'{"version": 1, "edits": []}', "a list of edits", "open the take first"),
         (b'{"format": "openfacefx.track", "fps": 30}', "sparse keys", "ARKit CSV"),
-        (b"mouthSmile_R-0|eyeLookOut_L-12|=head#1,2", "which has no times", "--fps 60"),
+        (b"mouthSmile_R-0|eyeLookOut_L-12|=head#1,2", "which has no times", "its frame rate"),
         (b"[[0.1, 0.2], [0.3, 0.4]]", "without the names", "ARKit names"),
         (b"\x93NUMPY\x01\x00", "without the names", "CSV"),
         (b"PK\x03\x04 weights.npy", "without the names", "CSV"),

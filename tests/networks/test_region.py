@@ -186,7 +186,7 @@ def test_description_without_an_entry_is_refused(tmp_path: Path, entry: str) -> 
         ({"controls": ["left_eyelid", "nose"]}, ["'nose'", "update FaceEdit"]),
         ({"channels": [*EYELIDS.channels[:-1], "noseUp"]}, ["'noseUp'", "update FaceEdit"]),
         ({"controls": ["left_eyelid", "n" * 500]}, ["nnn", "update FaceEdit"]),
-        ({"rate": 30.0}, ["30 frames a second", "faceedit train"]),
+        ({"rate": 30.0}, ["30 frames a second", "reinstall FaceEdit"]),
     ],
 )
 def test_what_is_too_new_or_unknown_is_named(

@@ -11,6 +11,8 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.editing.files.project import read_project
 
+_OTHER_NAME = "choose another name"
+
 
 class Kept(FileError):
     """A recording that would be replaced.
@@ -18,13 +20,18 @@ class Kept(FileError):
     Args:
         path: the recording.
         reason: what it is, as `why_keep` says.
-        way: how the user can allow it, where that is possible; "" = not here.
+        can_allow: whether a command has an option that allows it.
     """
 
-    def __init__(self, path: Path, reason: str, way: str = "add --overwrite") -> None:
-        allow = f", or {way}, which keeps a copy of it (.bak)" if way else ""
-        super().__init__(path, reason, f"choose another name{allow}")
-        self.reason = reason
+    def __init__(self, path: Path, reason: str, can_allow: bool = True) -> None:
+        super().__init__(
+            path,
+            reason,
+            _OTHER_NAME,
+            command_remedy=f"{_OTHER_NAME}, or add --overwrite, which keeps a copy of it (.bak)"
+            if can_allow
+            else "",
+        )
 
 
 def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
@@ -53,14 +60,14 @@ def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
     return ""
 
 
-def make_way(path: Path, take: Path, overwrite: bool, way: str = "add --overwrite") -> Path | None:
+def make_way(path: Path, take: Path, overwrite: bool, can_allow: bool = True) -> Path | None:
     """Make sure that writing to `path` loses no recording.
 
     Args:
         path: the file that will be written.
         take: the take that is exported.
         overwrite: replace a recording, after a copy of it has been made.
-        way: how the user can ask for that; "" = not here.
+        can_allow: whether a command has an option for that.
 
     Returns:
         The copy, if one was made.
@@ -73,7 +80,7 @@ def make_way(path: Path, take: Path, overwrite: bool, way: str = "add --overwrit
     if not reason:
         return None
     if not overwrite:
-        raise Kept(path, reason, way)
+        raise Kept(path, reason, can_allow)
     return keep_backup(path)
 
 

@@ -9,7 +9,7 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.lab.training.architectures import ARCHITECTURES, Architecture
 from faceedit_app.lab.training.export import export, parameters
-from faceedit_app.networks.description import REMEDY, Description
+from faceedit_app.networks.description import Description, UnusableModel
 from faceedit_app.networks.region import RegionAnswer, read_bytes
 
 # Torch counts batches in every normalisation, and we make no use of it.
@@ -59,5 +59,5 @@ def load_trained(path: Path | str) -> TrainedRegion:
         wanted = {key for key in state if not key.endswith(_COUNTER)}
         networks.load_state_dict(state | {key: found[key] for key in wanted})
     except (KeyError, RuntimeError, TypeError, ValueError) as error:
-        raise FileError(path, f"does not hold the parameters of {name}", REMEDY) from error
+        raise UnusableModel(path, f"does not hold the parameters of {name}") from error
     return TrainedRegion(description, networks.eval())
