@@ -116,6 +116,8 @@ def test_a_second_drag_goes_on_with_the_chosen_retime(window: MainWindow) -> Non
     trigger(window, "undo")
     (was, now), _ = only_edit(window).pins
     assert now - was == pytest.approx(0.2, abs=0.02)
+    trigger(window, "undo")
+    assert window.timeline.selection == (4.0, 5.0), "what was selected before the first drag"
 
 
 @pytest.mark.parametrize("beyond", [0.0, 3.0])

@@ -196,7 +196,7 @@ class EditsPanel(QWidget):
         if typed:  # the text field is gone, and Qt would focus the next widget
             self.list.setFocus()
         if self.current is None:
-            self._leave()
+            self._leave(is_undone=True)
         self._pages.setCurrentIndex(1 if self.model.edits else 0)
         self._sync()
         if self.is_tied:  # undo may have changed its range
@@ -273,10 +273,10 @@ class EditsPanel(QWidget):
         if not (self._showing or self.reshaping()):
             self._timeline.keep_falloffs()
 
-    def _leave(self) -> None:
+    def _leave(self, is_undone: bool = False) -> None:
         """Give range and falloffs back to the user."""
         self._showing = True
-        self._timeline.leave_edit()
+        self._timeline.leave_edit(is_undone)
         self._showing = False
 
     def _sync(self) -> None:

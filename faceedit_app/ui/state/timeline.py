@@ -41,6 +41,7 @@ class Timeline(QObject):
         self._own: tuple[float, float] | None = None  # the user's falloffs meanwhile
         self._edits_falloffs = (0.0, 0.0)  # of the chosen edit, before they are changed
         self._is_own = False  # the user had selected the edit's hold
+        self._before: tuple[float, float] | None = None  # the user's selection before the edit
         self.clock = Clock(self)
 
     @property
@@ -176,7 +177,7 @@ class Timeline(QObject):
         """Show the hold and falloffs of the chosen edit in place of the user's."""
         self.can_fade = can_fade
         if not self.shows_edit:
-            self._own = self.falloff, self.falloff_out
+            self._own, self._before = (self.falloff, self.falloff_out), self.selection
             self._is_own = self.selection == hold
         elif self.selection != hold:
             self._is_own = False
@@ -185,9 +186,15 @@ class Timeline(QObject):
         self._edits_falloffs = self.falloff, self.falloff_out
         self.select(hold)
 
-    def leave_edit(self) -> None:
-        """Show the user's falloffs again, and the selection if the user made it."""
+    def leave_edit(self, is_undone: bool = False) -> None:
+        """Show the user's falloffs again, and the selection if the user made it.
+
+        Args:
+            is_undone: the edit is gone, so that the selection from before it is shown.
+        """
         selection, own = self.own_selection, self._own
+        if is_undone and self.shows_edit:
+            selection = self._before
         self.shows_edit, self._own, self._is_own = False, None, False
         if own is not None:
             self.set_falloffs(*own)
