@@ -7,8 +7,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QDialog
+from shiboken6 import isValid
 
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.editing.files.pending import Pending
@@ -126,7 +127,7 @@ DIALOGS: dict[str, Open] = {
     "ask_save_side_by_side": _in_folder("ask_save_side_by_side", "film.mp4"),
     "ask_save_picture": _in_folder("ask_save_picture", "face.png"),
     "ask_preset_name": _asked("ask_preset_name"),
-    "ask_unsaved": _asked("ask_unsaved", "take.csv", "take_edited.csv"),
+    "ask_unsaved": _asked("ask_unsaved", "take.csv", "take_edited.csv", True),
     "ask_changed": _asked("ask_changed", "take.csv"),
     "show_error": _asked("show_error", "take.csv: is empty; choose another"),
     "SliderDialog": _chosen("expression"),
@@ -191,6 +192,11 @@ def look_at(
     waiting.start()  # a question holds the program until it is answered
     DIALOGS[name](window, folder)
     waiting.stop()
+    if name in _ASK and seen:
+        # Answered: the window must not keep it for the rest of its life.
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+        assert not isValid(seen[0]), f"{name} leaves its dialog behind"
+        return kinds[0]
     if not seen:
         visit(_newest())
     with suppress(RuntimeError):  # gone already

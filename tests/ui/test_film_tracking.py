@@ -65,7 +65,7 @@ def test_a_film_becomes_a_take_beside_its_film(bench: Bench, own: Path) -> None:
     assert window.workspace.unfinished.names == ["face.csv"]  # closing asks about it
     tracked(bench, window, take)
     assert window.workspace.unfinished.names == []
-    assert not dialog_of(window).isVisible()
+    assert not any(dialog.isVisible() for dialog in window.findChildren(TrackingDialog))
     assert len(session_of(window).take.clip) == 25
     assert window.media.film is not None
     assert window.media.film.path == own

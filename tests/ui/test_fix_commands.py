@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QMenu, QPushButton, QToolButton
 from support.windows import (
     Bench,
+    add_edit,
     drag_curve,
     editor_of,
     session_of,
@@ -237,3 +238,21 @@ def test_what_is_written_while_a_fix_is_previewed_says_that_it_is_not_in_it(
     bench.answers[question] = bench.folder / name
     trigger_enabled(window, command)
     assert said not in window.status.currentMessage(), "nothing was proposed this time"
+
+
+def test_closing_says_that_the_previewed_fix_is_not_among_the_edits(
+    bench: Bench, window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[object] = []
+
+    def ask(_parent: object, *said: object) -> dialogs.Unsaved:
+        asked.append(said)
+        return dialogs.Unsaved.CANCEL
+
+    monkeypatch.setattr(dialogs, "ask_unsaved", ask)
+    add_edit(window)
+    trigger_enabled(window, "next_problem", "fix_problem")
+    assert not window.close()
+    assert "The proposal was discarded" in window.status.currentMessage()
+    assert not window.close()
+    assert asked == [("demo_take.csv", "", True), ("demo_take.csv", "", False)]

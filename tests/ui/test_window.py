@@ -222,7 +222,7 @@ def test_an_export_is_not_a_saved_project(bench: Bench) -> None:
     answers = [Unsaved.EXPORT, Unsaved.CANCEL]
     asked: list[str] = []
 
-    def ask(_parent: object, _name: str, exported: str) -> Unsaved:
+    def ask(_parent: object, _name: str, exported: str, _left_out: bool) -> Unsaved:
         asked.append(exported)
         bench.answers["export"] = bench.folder / "again.csv"
         return answers[len(asked) - 1]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from PySide6.QtCore import QDateTime, Qt
 from PySide6.QtWidgets import (
+    QAbstractButton,
     QInputDialog,
     QMainWindow,
     QMessageBox,
@@ -19,6 +20,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.commands.file_dialogs import open_name, save_name
 from faceedit_app.ui.look.texts import plain_entry, plain_tip, sentence
+from faceedit_app.ui.look.widgets import shown_once
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 if TYPE_CHECKING:
@@ -72,8 +74,8 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
         frames: how many it has.
         rate: what is likely.
     """
-    dialog = RateDialog(parent, question, frames, rate)
-    return dialog.rate if dialog.exec() else None
+    with shown_once(RateDialog(parent, question, frames, rate)) as dialog:
+        return dialog.rate if dialog.exec() else None
 
 
 def ask_open(parent: QWidget, folder: Path) -> Path | None:
@@ -96,8 +98,8 @@ def ask_export_as(
     """
     from faceedit_app.ui.page.export_dialog import ExportDialog  # brings the formats' writers
 
-    dialog = ExportDialog(parent, take, character)
-    return (dialog.chosen, dialog.options) if dialog.exec() else None
+    with shown_once(ExportDialog(parent, take, character)) as dialog:
+        return (dialog.chosen, dialog.options) if dialog.exec() else None
 
 
 def ask_film(
@@ -111,24 +113,24 @@ def ask_film(
     """
     from faceedit_app.ui.page.film_dialog import FilmDialog  # brings PyAV's wrappers
 
-    dialog = FilmDialog(parent, rate, has_sound, has_film)
-    return (dialog.chosen, dialog.shot) if dialog.exec() else None
+    with shown_once(FilmDialog(parent, rate, has_sound, has_film)) as dialog:
+        return (dialog.chosen, dialog.shot) if dialog.exec() else None
 
 
 def ask_live(parent: QWidget) -> tuple[Protocol, str, int] | None:
     """Where to send the face: protocol, address and port."""
     from faceedit_app.ui.page.live_dialog import LiveDialog
 
-    dialog = LiveDialog(parent)
-    return dialog.chosen if dialog.exec() else None
+    with shown_once(LiveDialog(parent)) as dialog:
+        return dialog.chosen if dialog.exec() else None
 
 
 def ask_record(parent: QWidget) -> tuple[Protocol, str, int] | None:
     """What to record: protocol, the phone's address, and the port to listen on."""
     from faceedit_app.ui.page.live_dialog import RecordDialog
 
-    dialog = RecordDialog(parent)
-    return dialog.chosen if dialog.exec() else None
+    with shown_once(RecordDialog(parent)) as dialog:
+        return dialog.chosen if dialog.exec() else None
 
 
 def ask_record_name(
@@ -194,10 +196,10 @@ def ask_take_of_project(
         button.setToolTip(plain_tip(str(path)))
     look = box.addButton("&Look for it…", role.ActionRole)
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
-    box.exec()
-    if box.clickedButton() is look:
+    clicked = _clicked(box)
+    if clicked is look:
         return open_name(parent, "The project's take", folder, file_kinds.takes())
-    return next((path for button, path in paths.items() if button is box.clickedButton()), None)
+    return next((path for button, path in paths.items() if button is clicked), None)
 
 
 def ask_recover(parent: QWidget, pending: Pending) -> Recover:
@@ -218,8 +220,7 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     }
     later = box.addButton("&Ask later", role.RejectRole)
     box.setEscapeButton(later)
-    box.exec()
-    clicked = box.clickedButton()
+    clicked = _clicked(box)
     return next((what for button, what in choices.items() if button is clicked), Recover.LATER)
 
 
@@ -307,12 +308,13 @@ def ask_preset_name(parent: QWidget) -> str | None:
     return name.strip() if ok and name.strip() else None
 
 
-def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
+def ask_unsaved(parent: QWidget, name: str, exported: str = "", left_out: bool = False) -> Unsaved:
     """What to do with edits before their take is closed.
 
     Args:
         name: of the take.
         exported: the name of the file that it was exported to, if it was.
+        left_out: whether a proposal was open, which is not among the edits.
     """
     message = f"Your edits to {name} are not saved in a project."
     more = "If you discard them, they are lost."
@@ -321,6 +323,8 @@ def ask_unsaved(parent: QWidget, name: str, exported: str = "") -> Unsaved:
             f"{exported} holds the edited take, but the edits themselves can only be changed later "
             "if you save them in a project."
         )
+    if left_out:
+        more += " The proposal that you did not accept is not among them."
     box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
     save = box.addButton("&Save project…", role.AcceptRole)
@@ -352,7 +356,7 @@ def show_error(parent: QWidget | None, error: Exception | str) -> None:
     box = QMessageBox(QMessageBox.Icon.Warning, "FaceEdit", "", parent=parent)
     box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
     box.setText(str(error))
-    box.exec()
+    _clicked(box)
 
 
 def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
@@ -370,13 +374,18 @@ def _insists(box: QMessageBox, risky: QPushButton, safe: QPushButton) -> bool:
     """Whether the user chooses what loses something; Enter and Esc do not."""
     box.setDefaultButton(safe)
     box.setEscapeButton(safe)
-    box.exec()
-    return box.clickedButton() is risky
+    return _clicked(box) is risky
 
 
 def _choice(box: QMessageBox, choices: Mapping[QPushButton, Choice], cancel: Choice) -> Choice:
     """What the clicked button stands for; `cancel` for Cancel, which is added, and Esc."""
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
-    box.exec()
-    clicked = box.clickedButton()
+    clicked = _clicked(box)
     return next((what for button, what in choices.items() if button is clicked), cancel)
+
+
+def _clicked(box: QMessageBox) -> QAbstractButton:
+    """The answer to a question, which is shown once."""
+    with shown_once(box):
+        box.exec()
+        return box.clickedButton()

@@ -239,9 +239,10 @@ class FileCommands:
         document = self._document
         if document.path is None:
             return True
+        left_out = bool(self._workspace.end_before_writing())
         while not document.is_clean:
             exported = document.exported.name if document.exported is not None else ""
-            match dialogs.ask_unsaved(self._window, document.path.name, exported):
+            match dialogs.ask_unsaved(self._window, document.path.name, exported, left_out):
                 case dialogs.Unsaved.EXPORT:
                     if not self.export():
                         return False

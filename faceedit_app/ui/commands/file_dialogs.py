@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QHeaderView, QMessageBox, QTreeView, QWidget
 
-from faceedit_app.ui.look.widgets import resize_on_screen
+from faceedit_app.ui.look.widgets import resize_on_screen, shown_once
 
 _SIZE = (860, 540)  # pixels of Qt's dialog
 
@@ -22,11 +22,11 @@ def open_name(parent: QWidget, title: str, folder: Path, kinds: str) -> Path | N
         folder: where it looks first.
         kinds: the filters, as in `file_kinds`.
     """
-    dialog = _file_dialog(parent, title, folder, kinds)
-    dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
-    # The endings would fill the list of kinds.
-    dialog.setOption(QFileDialog.Option.HideNameFilterDetails)
-    return _chosen(dialog)
+    with shown_once(_file_dialog(parent, title, folder, kinds)) as dialog:
+        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        # The endings would fill the list of kinds.
+        dialog.setOption(QFileDialog.Option.HideNameFilterDetails)
+        return _chosen(dialog)
 
 
 def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
@@ -38,15 +38,15 @@ def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path
             also to a name such as “take v1.2”, whose “.2” is no ending.
         kinds: the filters, as in `file_kinds`.
     """
-    dialog = _file_dialog(parent, title, suggestion.parent, kinds)
-    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-    # Added before Qt asks whether to replace a file, so that it asks about the right one.
-    dialog.setDefaultSuffix(suggestion.suffix)
-    dialog.selectFile(suggestion.name)
-    while (chosen := _chosen(dialog)) is not None:
-        path = _with_ending(chosen, suggestion.suffix, kinds)
-        if path == chosen or not path.exists() or _may_replace(parent, path):
-            return path
+    with shown_once(_file_dialog(parent, title, suggestion.parent, kinds)) as dialog:
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        # Added before Qt asks whether to replace a file, so that it asks about the right one.
+        dialog.setDefaultSuffix(suggestion.suffix)
+        dialog.selectFile(suggestion.name)
+        while (chosen := _chosen(dialog)) is not None:
+            path = _with_ending(chosen, suggestion.suffix, kinds)
+            if path == chosen or not path.exists() or _may_replace(parent, path):
+                return path
     return None
 
 
@@ -70,7 +70,8 @@ def _may_replace(parent: QWidget, path: Path) -> bool:
     )
     box.setTextFormat(Qt.TextFormat.PlainText)
     box.setDefaultButton(buttons.No)
-    return box.exec() == buttons.Yes
+    with shown_once(box):
+        return box.exec() == buttons.Yes
 
 
 def _file_dialog(parent: QWidget, title: str, folder: Path, kinds: str) -> QFileDialog:

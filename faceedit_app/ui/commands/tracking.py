@@ -110,6 +110,7 @@ class FilmTracking:
     def _close(self) -> None:
         self._written()
         self.dialog.close()
+        self.dialog.deleteLater()
 
     def _done(self, tracked: Tracked) -> None:
         self._close()

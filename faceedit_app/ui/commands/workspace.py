@@ -197,7 +197,7 @@ class Workspace(QObject):
         self.document.cancel()  # the preview of a dialog that stays open
 
     def end_before_writing(self) -> str:
-        """End gestures because a file is about to be written, and say so if one was a proposal.
+        """End gestures before a file is written or closed, and say so if one was a proposal.
 
         Returns:
             What to add to the message about the file; empty if there was no proposal.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
 
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import (
@@ -16,6 +18,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import (
     QComboBox,
+    QDialog,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -30,6 +33,8 @@ from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
 from faceedit_app.ui.look.theme import GAP, MARGIN
+
+Shown = TypeVar("Shown", bound=QDialog)
 
 _TITLE_BAR = 40  # pixels, roughly; the frame is known only once the window is shown
 
@@ -201,3 +206,12 @@ def bar_row(box: QWidget, name: str) -> QHBoxLayout:
     row.setContentsMargins(MARGIN, GAP // 2 + 1, MARGIN, GAP // 2 + 1)
     row.setSpacing(GAP // 2)
     return row
+
+
+@contextmanager
+def shown_once(dialog: Shown) -> Iterator[Shown]:
+    """A dialog that is deleted when it was answered; else its parent would keep it as a child."""
+    try:
+        yield dialog
+    finally:
+        dialog.deleteLater()

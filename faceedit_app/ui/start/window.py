@@ -361,7 +361,6 @@ class MainWindow(WindowBase):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
-        self.workspace.end_gestures()
         if not (self.commands.file.may_close() and self.commands.file.may_stop()):
             event.ignore()
             return
