@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox
 from support.sessions import switch
 from support.takes import livelink_names, make_livelink_csv, speech_like
-from support.windows import Bench, bench, drag, session_of, trigger
+from support.windows import Bench, bench, drag, editor_of, session_of, trigger
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -33,6 +33,23 @@ def opened(bench: Bench, take: Path | None = None) -> tuple[MainWindow, Channels
     assert panel is not None
     bench.qtbot.waitUntil(lambda: panel.isVisible() and panel.plots[0].view.width() > 100)
     return window, panel
+
+
+def test_in_a_low_window_the_lists_leave_their_height_to_the_face(bench: Bench) -> None:
+    window = bench.editing()
+    side = editor_of(window).side
+    before = side.sizes()
+    for _ in range(2):
+        trigger(window, "all_channels")
+        bench.qtbot.waitUntil(lambda: side.is_folded)
+        assert side.sizes()[0] > 180
+        trigger(window, "all_channels")
+        bench.qtbot.waitUntil(lambda: side.sizes() == before)
+    trigger(window, "all_channels")
+    bench.qtbot.waitUntil(lambda: side.is_folded)
+    trigger(window, "list_problems")
+    assert not side.is_folded
+    assert side.sizes()[1] > 120
 
 
 def squinting(folder: Path) -> Path:

@@ -294,6 +294,7 @@ class FixCommands:
             if following is None:
                 self._workspace.message.emit("There are no more problems that can be fixed")
             else:
+                page.edits.leave()  # its handles would stay where one no longer looks
                 self.go_to(following)
 
     @property

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QBuffer, QByteArray, QIODevice, Qt
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice
 from PySide6.QtGui import QGuiApplication, QImage
-from PySide6.QtWidgets import QDockWidget, QMainWindow
+from PySide6.QtWidgets import QMainWindow
 
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROLS
@@ -20,6 +20,7 @@ from faceedit_app.ui.state.clock import Unit
 if TYPE_CHECKING:  # comes with the page, after the first paint
     from faceedit_app.ui.curves import CurvesPanel
     from faceedit_app.ui.face.pane import FacePane
+    from faceedit_app.ui.page.channels_dock import ChannelsDock
 
 CAMERA, CURVES, FILM = "Ca&mera", "C&urves", "&Film"  # submenus
 ZOOM = 0.7  # of the time in view, per step
@@ -31,7 +32,7 @@ class ViewCommands:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace, self._timeline = workspace, workspace.timeline
-        self._channels: QDockWidget | None = None
+        self._channels: ChannelsDock | None = None
 
     @property
     def face(self) -> FacePane | None:
@@ -208,6 +209,7 @@ class ViewCommands:
 
     def all_channels(self) -> None:
         """Show the channels of the take as plain curves, or hide them."""
+        from faceedit_app.ui.page.channels_dock import ChannelsDock
         from faceedit_app.ui.page.channels_panel import ChannelsPanel
 
         window, page = self._workspace.window, self._workspace.page
@@ -215,12 +217,9 @@ class ViewCommands:
             return
         if self._channels is None:
             panel = page.channels = ChannelsPanel(self._workspace.document, self._timeline)
-            self._channels = QDockWidget("All channels", window)
-            self._channels.setObjectName("channels")
-            self._channels.setWidget(panel)
-            window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, self._channels)
+            self._channels = ChannelsDock(window, page, panel)
             return
-        self._channels.setVisible(self._channels.isHidden())
+        self._channels.switch()
 
     @property
     def shows_channels(self) -> bool:

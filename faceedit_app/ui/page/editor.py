@@ -31,6 +31,7 @@ from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
 from faceedit_app.ui.page.settings_bar import SettingsBar
+from faceedit_app.ui.page.side_pane import SidePane
 from faceedit_app.ui.page.toolbar import ToolBar
 from faceedit_app.ui.page.transport import Transport
 from faceedit_app.ui.state.actions import Actions
@@ -41,7 +42,7 @@ from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
-_SIDE = (560, 170)  # of the height beside the curves: face, edits
+_SIDE = (560, 196)  # of the height beside the curves: face, lists with five rows
 _STACKED = (630, 100)  # the same, with the film above or below the face, or on a low screen
 _LOW = 600  # pixels; 1920 x 1080 at twice the size have 540
 
@@ -98,10 +99,9 @@ class Editor(QWidget):
         self.lists.addTab(self.edits, "Edits")
         self.lists.addTab(self.problem_list, "Problems")
         self.lists.addTab(self.expressions, "Expressions")
-        self.side = _splitter(Qt.Orientation.Vertical, self.stage, self.lists)
+        self.side = SidePane(self.stage, self.lists)
         is_low = self.screen().availableSize().height() < _LOW
         self.side.setSizes(_STACKED if is_low else _SIDE)
-        self.side.setStretchFactor(0, 1)
         self.panes = _splitter(
             Qt.Orientation.Horizontal, _stacked(self.curves, self.sound, self.words), self.side
         )
@@ -183,6 +183,7 @@ class Editor(QWidget):
 
     def list_problems(self) -> None:
         """Show the list of problems."""
+        self.side.unfold()
         self.lists.setCurrentWidget(self.problem_list)
 
     def _first_steps(self) -> tuple[Step, ...]:

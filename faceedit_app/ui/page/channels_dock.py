@@ -1,0 +1,43 @@
+"""Where all channels are shown: below the page, or in a window of their own."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow
+
+from faceedit_app.ui.page.channels_panel import ChannelsPanel
+from faceedit_app.ui.page.editor import Editor
+
+_MOST = 0.36  # of the window's height, at first
+_HEIGHT = 300  # pixels
+
+
+class ChannelsDock(QDockWidget):
+    """All channels. While they lie below the page, its lists leave their height to the face.
+
+    Args:
+        window: to which it is added, at its lower edge.
+        page: the page above it.
+        panel: the channels.
+    """
+
+    def __init__(self, window: QMainWindow, page: Editor, panel: ChannelsPanel) -> None:
+        super().__init__("All channels", window)
+        self.setObjectName("channels")
+        self.setWidget(panel)
+        self._side = page.side
+        page.side.let_fold(True)  # before it takes their height
+        self.visibilityChanged.connect(self._share)
+        self.topLevelChanged.connect(self._share)
+        window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, self)
+        height = min(_HEIGHT, round(_MOST * window.height()))
+        window.resizeDocks([self], [height], Qt.Orientation.Vertical)
+
+    def switch(self) -> None:
+        """Show or hide them."""
+        is_shown = self.isHidden()
+        self._side.let_fold(is_shown and not self.isFloating())
+        self.setVisible(is_shown)
+
+    def _share(self) -> None:
+        self._side.let_fold(not self.isHidden() and not self.isFloating())
