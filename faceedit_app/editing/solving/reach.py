@@ -9,13 +9,14 @@ damped Gauss-Newton on the rig's distances, with the bounds as an active set.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
+from faceedit_app.editing.solving.reach_frames import Frames, Place, at, limited, solved
+
+Rows = slice | Indices
 
 ITERATIONS = 4
 # Shorter steps, tried if a full one leads farther away.
@@ -127,11 +128,16 @@ class Reach:
         self._more = None if wide is None else wide - covariance
         natural = covariance if natural is None else natural
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
-        self._moves = gradients.reshape(len(channels), -1)
+        self._moves = np.ascontiguousarray(gradients.transpose(2, 1, 0))  # (3, C, K)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
+        self._spreads = self._slopes @ covariance
         shuts = distances.shuts & distances.gradients[:, :, ::2].any(axis=(0, 2))
-        self._lids = np.flatnonzero(shuts & by_height)
-        self._upwards = np.where(distances.offsets[self._lids, 1] < 0, -1.0, 1.0)
+        lids = np.flatnonzero(shuts & by_height)
+        self._upwards = np.where(distances.offsets[lids, 1] < 0, -1.0, 1.0)
+        # All of them as a slice are not copied.
+        self._lids: Rows | None = None if not len(lids) else lids
+        if len(lids) == len(shuts):
+            self._lids = slice(None)
         self._precision = np.linalg.inv(natural + 1e-6 * np.eye(len(natural)))
 
     def __call__(
@@ -144,6 +150,7 @@ class Reach:
         exempt: Bools | None = None,
         share: Doubles | None = None,
         vectors: Doubles | None = None,
+        lengths: Doubles | None = None,
     ) -> Doubles:
         """The new weights (N, K) of the channels.
 
@@ -156,20 +163,24 @@ class Reach:
             exempt: (N,) frames whose change may have any length; None = none of them.
             share: (N,) in 0..1, how far the wide covariance takes the place of the other.
             vectors: (N, C, 3) mm, of the distances of `weights`; None = not known.
+            lengths: (N, C) mm, those of the vectors, see `Distances.lengths`; None = not known.
         """
         start = weights[:, self._channels]
-        vectors = self._distances.vectors(weights) if vectors is None else vectors
-        lengths = np.asfortranarray(self._distances.lengths(vectors))
+        vectors = np.asfortranarray(
+            self._distances.vectors(weights) if vectors is None else vectors
+        )
+        if lengths is None:
+            lengths = np.asfortranarray(self._distances.lengths(vectors))
         targets = goal.targets_from(np.maximum(lengths, 0.0))
         if self._distances.may_pass:  # such vertices come apart little by little
-            targets += np.minimum(lengths, 0.0) * np.clip(1.0 - targets / APART_MM, 0.0, 1.0)
+            targets += np.minimum(lengths, 0.0) * limited(1.0 - targets / APART_MM)
         lower = np.minimum(start, 0.0 if lower is None else lower)
         longest = NATURAL_LENGTH / naturalness if naturalness > 0 else np.inf
         limit = np.full(len(start), longest)
         if exempt is not None:
             limit[exempt] = np.inf
         share = np.zeros(len(start)) if share is None else share
-        frames = _Frames(start, lower, upper, vectors, targets, goal.noise, limit, share)
+        frames = Frames(start, lower, upper, vectors, targets, goal.noise, limit, share)
         change, lengths = self._search(frames, lengths)
         # Pressed lips may have passed each other: opening them then begins with what seems to
         # close them.
@@ -180,10 +191,10 @@ class Reach:
             better = those.cost(there) < those.cost(lengths[missed])
             change[missed[better]] = other[better]
         # Rounding leaves weights such as -1e-17.
-        return np.clip(start + change, frames.lower, np.maximum(start, upper))
+        return np.minimum(np.maximum(start + change, frames.lower), np.maximum(start, upper))
 
     def _search(
-        self, frames: _Frames, lengths: Doubles | None = None, passed: bool = False
+        self, frames: Frames, lengths: Doubles | None = None, passed: bool = False
     ) -> tuple[Doubles, Doubles]:
         """The change of the channels (N, K), and the resulting lengths (N, C), mm.
 
@@ -191,53 +202,61 @@ class Reach:
             lengths: (N, C) mm, those of the vectors that it starts from; None = not known.
             passed: start as if each pair of vertices had passed each other.
         """
-        found, there = np.empty_like(frames.start), np.empty_like(frames.targets)
-        rows: slice | Indices = slice(None)  # the frames that are not done yet
-        change, frozen = np.zeros_like(frames.start), np.zeros(frames.start.shape, bool)
+        found, there = frames.start, frames.targets  # until the first step has been taken
+        rows: Indices | None = None  # the frames that are not done yet; None = all
+        change, frozen = np.zeros_like(frames.start), np.zeros_like(frames.start, np.bool_)
         here = self._place(frames, frames.vectors, lengths)
         for iteration in range(self._iterations):
-            slopes, wanted = self._linear(frames, here, change, passed and iteration == 0)
-            aim = self._step(frames, slopes, wanted, change, frozen)
+            directions, wanted = self._linear(frames, here, passed and iteration == 0)
+            aim = self._step(frames, directions, wanted, change, frozen)
             aim *= self._shortening(aim, frames.limit)
-            allowed = frames.bounded(aim, self._coupled)
-            stopped = frozen | (np.abs(allowed - aim) > 1e-9)
+            allowed, stopped = frames.bounded(aim, self._coupled)
+            stopped |= frozen
             before = here.costs
             new, here = self._line_search(frames, here, change, allowed)
-            found[rows], there[rows] = new, here.lengths
-            moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
-            going = moving.any(axis=1) & (here.costs > MET)
+            if rows is None:
+                found, there = new, here.lengths
+            else:
+                found[rows], there[rows] = new, here.lengths
+            going = here.costs > MET
             if iteration:  # bounds show in the first step, and are kept to from the second
                 going &= here.costs < (1.0 - self._gain) * before
-            change, frozen = new, stopped
             if not going.any():
                 break
-            if not going.all():
-                rows = np.arange(len(found))[rows][going]
-                frames, here = frames.at(going), here.at(going)
-                change, frozen = change[going], frozen[going]
+            moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
+            left = np.flatnonzero(going & moving.any(axis=1))
+            if not len(left):
+                break
+            change, frozen = new, stopped
+            if len(left) < len(going):
+                rows = left if rows is None else rows[left]
+                frames, here = frames.at(left), here.at(left)
+                change, frozen = at(change, left), at(frozen, left)
         return found, np.maximum(there, 0.0)
 
-    def _place(self, frames: _Frames, vectors: Doubles, lengths: Doubles | None = None) -> _Place:
+    def _place(self, frames: Frames, vectors: Doubles, lengths: Doubles | None = None) -> Place:
         found: Doubles = self._distances.lengths(vectors) if lengths is None else lengths
         if found.ndim == 2:
             found = np.asfortranarray(found)
-        return _Place(vectors, found, frames.cost(found))
+        return Place(vectors, found, frames.cost(found))
 
-    def _linear(
-        self, frames: _Frames, here: _Place, change: Doubles, passed: bool
-    ) -> tuple[Doubles, Doubles]:
-        """The slopes J (C, N, K) at `change`, and the wanted product of J and the change (N, C)."""
+    def _linear(self, frames: Frames, here: Place, passed: bool) -> tuple[Doubles, Doubles]:
+        """What the controls do near a place.
+
+        Returns:
+            (N, C, 3) the directions in which they grow, and (N, C) mm, by how much a change from
+            the start should move them.
+        """
         directions = self._distances.directions(here.vectors, here.lengths, passed)
         wanted = frames.targets - here.lengths
-        if len(self._lids) and not passed:
-            self._by_height(directions, wanted, frames.targets, here.vectors)
-        slopes = np.ascontiguousarray(directions.transpose(1, 0, 2)) @ self._slopes
+        if self._lids is not None and not passed:
+            self._by_height(directions, wanted, frames.targets, here.vectors, self._lids)
         if here.vectors is not frames.vectors:  # else nothing has changed yet
-            wanted += np.einsum("cnk,nk->nc", slopes, change)
-        return slopes, wanted
+            wanted += ((here.vectors - frames.vectors) * directions).sum(axis=2)
+        return directions, wanted
 
     def _by_height(
-        self, directions: Doubles, wanted: Doubles, targets: Doubles, vectors: Doubles
+        self, directions: Doubles, wanted: Doubles, targets: Doubles, vectors: Doubles, lids: Rows
     ) -> None:
         """Have lids shut by their height alone, in place.
 
@@ -249,40 +268,59 @@ class Reach:
             wanted: (N, C) mm, of which those of lids become heights.
             targets: (N, C) mm.
             vectors: (N, C, 3) mm.
+            lids: which controls are those of lids.
         """
-        lids, upwards = self._lids, self._upwards
+        upwards = self._upwards
         asked, across = targets[:, lids], vectors[:, lids]
         height = across[..., 1] * upwards
         depth = np.maximum(np.hypot(across[..., 0], across[..., 2]), 1e-6)
         tall = np.sqrt(np.maximum(asked**2 - depth**2, 0.0))
-        tall -= PASSING_MM * np.clip(1.0 - asked / depth, 0.0, 1.0)
+        tall -= PASSING_MM * limited(1.0 - asked / depth)
         tall = np.where(asked > 0, tall, np.minimum(height, -PASSING_MM))
         wanted[:, lids] = tall - height
         directions[:, lids] = 0.0
         directions[:, lids, 1] = upwards
 
     def _step(
-        self, frames: _Frames, slopes: Doubles, wanted: Doubles, change: Doubles, frozen: Bools
+        self, frames: Frames, directions: Doubles, wanted: Doubles, change: Doubles, frozen: Bools
     ) -> Doubles:
-        """The most probable change with slopes x change = wanted; frozen channels keep theirs."""
-        rest, free, held = wanted, slopes, change
+        """(N, K) the most probable change that moves the controls as wanted.
+
+        Args:
+            frames: what is known of them.
+            directions, wanted: see `_linear`.
+            change: (N, K), so far.
+            frozen: (N, K) channels that keep theirs.
+        """
+        by_control = directions.transpose(1, 0, 2)
+        slopes = by_control @ self._slopes  # (C, N, K)
+        rest, held = wanted, change
         if are_some := bool(frozen.any()):
             held = np.where(frozen, change, 0.0)
-            rest = wanted - np.einsum("cnk,nk->nc", slopes, held)
-            free = slopes.copy()
-            np.copyto(free, 0.0, where=frozen)
-        spread = (free.reshape(-1, len(self._covariance)) @ self._covariance).reshape(free.shape)
+            rest = wanted - (self._moved(held) * directions).sum(axis=2)
+            np.copyto(slopes, 0.0, where=np.ascontiguousarray(frozen))
+            flat = slopes.reshape(-1, slopes.shape[2])
+            spread = (flat @ self._covariance).reshape(slopes.shape)
+        else:
+            spread = by_control @ self._spreads
         if self._more is not None and frames.share.any():
             wide = np.flatnonzero(frames.share)
-            spread[:, wide] += frames.share[wide, None] * (free[:, wide] @ self._more)
-        system = spread.transpose(1, 0, 2) @ free.transpose(1, 2, 0)  # (N, C, C)
-        diagonal = np.arange(system.shape[1])
-        system[:, diagonal, diagonal] += frames.noise
-        solved = np.linalg.solve(system, rest[:, :, None])  # (N, C, 1)
-        moved = np.asfortranarray((solved.transpose(0, 2, 1) @ spread.transpose(1, 0, 2))[:, 0])
+            spread[:, wide] += frames.share[wide, None] * (slopes[:, wide] @ self._more)
+        spread = spread.transpose(1, 0, 2)
+        system = spread @ slopes.transpose(1, 2, 0)  # (N, C, C)
+        size = system.shape[1]
+        system.reshape(-1, size * size)[:, :: size + 1] += frames.noise
+        pull = solved(system, rest)
+        moved = np.asfortranarray((pull[:, None] @ spread)[:, 0])
         if are_some:
             np.copyto(moved, held, where=frozen)
         return moved
+
+    def _moved(self, change: Doubles) -> Doubles:
+        """(N, C, 3) mm by which a change (N, K) moves the vectors."""
+        moves = self._moves
+        by: Doubles = (moves.reshape(-1, moves.shape[2]) @ change.T).reshape(*moves.shape[:2], -1).T
+        return by
 
     def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""
@@ -291,8 +329,8 @@ class Reach:
         return factor
 
     def _line_search(
-        self, frames: _Frames, here: _Place, old: Doubles, new: Doubles
-    ) -> tuple[Doubles, _Place]:
+        self, frames: Frames, here: Place, old: Doubles, new: Doubles
+    ) -> tuple[Doubles, Place]:
         """The step from `old` to `new`, shortened for each frame until it leads nearer.
 
         A full step can move a pair of vertices through each other, where the distance grows
@@ -301,87 +339,14 @@ class Reach:
         Returns:
             The change (N, K), and its result.
         """
-        moves = (new @ self._moves).reshape(frames.vectors.shape)
-        there = self._place(frames, frames.vectors + moves)
+        there = self._place(frames, frames.vectors + self._moved(new))
         worse = np.flatnonzero(there.costs > here.costs)
         if len(worse):
-            before = here.vectors[worse]
-            trials = before + STEPS[:, None, None, None] * (there.vectors[worse] - before)
+            before = at(here.vectors, worse)
+            trials = before + STEPS[:, None, None, None] * (at(there.vectors, worse) - before)
             tried = self._place(frames.at(worse), trials)
             best = tried.costs.argmin(axis=0), np.arange(len(worse))
             step = STEPS[best[0]][:, None]
-            new = new.copy()
             new[worse] = old[worse] + step * (new[worse] - old[worse])
-            there.put(worse, tried.at(best))
+            there.put(worse, tried, best)
         return new, there
-
-
-@dataclass(frozen=True)
-class _Place:
-    """The result of a change of weights, on N frames.
-
-    Attributes:
-        vectors: (N, C, 3) mm.
-        lengths: (N, C) mm; negative once a pair of vertices has passed.
-        costs: (N,) how far the lengths are from the targets.
-    """
-
-    vectors: Doubles
-    lengths: Doubles
-    costs: Doubles
-
-    def at(self, rows: NDArray[Any] | tuple[NDArray[Any], ...]) -> _Place:
-        """Some of the frames."""
-        return _Place(self.vectors[rows], self.lengths[rows], self.costs[rows])
-
-    def put(self, rows: Indices, other: _Place) -> None:
-        """Replace some of the frames."""
-        self.vectors[rows] = other.vectors
-        self.lengths[rows], self.costs[rows] = other.lengths, other.costs
-
-
-@dataclass(frozen=True)
-class _Frames:
-    """The input of a search, on N frames.
-
-    Attributes:
-        start, lower, upper: (N, K) weights and their bounds.
-        vectors: (N, C, 3) mm.
-        targets: (N, C) mm.
-        noise: (N, C) mm², how exactly each target has to be met.
-        limit: (N,) the longest change, in standard deviations.
-        share: (N,) in 0..1, the part of the wide covariance.
-    """
-
-    start: Doubles
-    lower: Doubles
-    upper: Doubles
-    vectors: Doubles
-    targets: Doubles
-    noise: Doubles
-    limit: Doubles
-    share: Doubles
-
-    def at(self, rows: Indices | Bools) -> _Frames:
-        """Some of the frames."""
-        arrays = (self.start, self.lower, self.upper, self.vectors)
-        more = (self.targets, self.noise, self.limit, self.share)
-        return _Frames(*(array[rows] for array in (*arrays, *more)))
-
-    def bounded(self, change: Doubles, coupled: tuple[int, int] | None) -> Doubles:
-        """The nearest allowed change."""
-        inside = np.minimum(np.maximum(self.start + change, self.lower), self.upper)
-        if coupled is not None:
-            a, b = coupled
-            slack = np.maximum(self.start[:, a] - self.start[:, b], 0.0)
-            inside[:, a] = np.minimum(inside[:, a], inside[:, b] + slack)
-        return inside - self.start
-
-    def cost(self, lengths: Doubles) -> Doubles:
-        """How far lengths (..., N, C) are from the targets: (..., N).
-
-        Pairs that have passed each other count as touching.
-        """
-        lengths = np.maximum(lengths, np.minimum(self.targets, 0.0))
-        costs: Doubles = ((self.targets - lengths) ** 2 / self.noise).sum(axis=-1)
-        return costs
