@@ -37,6 +37,7 @@ class Answers:
         self._columns = {name: model.columns for name, model in engine.models.items()}
         self._tracked: dict[tuple[str, int, float], Floats] = {}
         self._recent = Recent[Doubles](RECENT * len(self._columns))
+        self._recent_tracked = Recent[Doubles](RECENT * len(self._columns))
 
     def to(
         self, regions: Sequence[str], grid_range: GridRange, curves: Doubles, naturalness: float
@@ -89,7 +90,8 @@ class Answers:
         new = [name for name in regions if (name, grid_range[0], naturalness) not in self._tracked]
         for name, answer in self._engine.answers(new, curves, naturalness).items():
             self._tracked[name, grid_range[0], naturalness] = answer.astype(np.float32)
+        keys = {name: (name, grid_range[0], naturalness) for name in regions}
         return {
-            name: self._tracked[name, grid_range[0], naturalness].astype(np.float64)
-            for name in regions
+            name: self._recent_tracked.to(key, partial(self._tracked[key].astype, np.float64))
+            for name, key in keys.items()
         }

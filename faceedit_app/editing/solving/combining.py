@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.controls import LIP_OPENING
-from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.solving.filters import smoothed
-from faceedit_app.editing.solving.last_layer import Correction, LastLayer
+from faceedit_app.editing.solving.last_layer import Correction
 from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
+from faceedit_app.editing.solving.reach_frames import limited
+from faceedit_app.editing.solving.region_request import RegionRequest
 from faceedit_app.editing.solving.take_statistics import WAKES
 
 Rows = slice | Indices
@@ -32,47 +35,6 @@ _CLOSING_MM = 0.5
 _CLOSE, _JAW = ARKIT_INDEX["mouthClose"], ARKIT_INDEX["jawOpen"]
 # How far the jaw may go, as a weight, for curves that a take's channels answer only in part.
 _JAW_PAYS = 0.15
-
-
-@dataclass(frozen=True)
-class RegionRequest:
-    """What is asked of a region on the N frames of a chunk.
-
-    Attributes:
-        settings: how edits are answered.
-        layer: the take's own last layer; None without networks, or to resynthesize.
-        unlike: (N,) in 0..1, how unlike the take this request is.
-        influence: (N, K) in 0..1, where each channel may answer.
-        slow: (N, H) mm, the slow part of the change of the curves that the networks listen to.
-        before: (N, H) mm, these curves as tracked.
-        quick: (N, C) mm, the quick part of the change of its own curves.
-        tracked, wanted: (N, C) mm, its own curves as they are and as they should be.
-        hold: (N, C) in 0..1, how firmly its own curves are asked for.
-        calm: (N, C) in 0..1, how far they are asked to be calm.
-    """
-
-    settings: Settings
-    layer: LastLayer | None
-    unlike: Doubles
-    influence: Doubles
-    slow: Doubles
-    before: Doubles
-    quick: Doubles
-    tracked: Doubles
-    wanted: Doubles
-    hold: Doubles
-    calm: Doubles
-
-    def equals(self, other: RegionRequest) -> bool:
-        """Whether another request asks for exactly the same."""
-        for each in fields(self):
-            mine, theirs = getattr(self, each.name), getattr(other, each.name)
-            if isinstance(mine, np.ndarray):
-                if not np.array_equal(mine, theirs):
-                    return False
-            elif mine is not theirs and (each.name == "layer" or mine != theirs):
-                return False
-        return True
 
 
 class Combining:
@@ -138,9 +100,10 @@ class Combining:
 
     def _least(self, tracked: Doubles, asked: RegionRequest) -> Doubles:
         """(N, K) the smallest weights that any answer may give; see `_jaw_pays`."""
+        if self._jaw is None:
+            return _endless(tracked.shape, -1.0)
         least = np.full(tracked.shape, -np.inf, order="F")
-        if self._jaw is not None:
-            least[:, self._jaw] = tracked[:, self._jaw] - self._jaw_pays(asked)
+        least[:, self._jaw] = tracked[:, self._jaw] - self._jaw_pays(asked)
         return least
 
     def _jaw_pays(self, asked: RegionRequest) -> Doubles:
@@ -167,7 +130,7 @@ class Combining:
         if self._lips is not None and len(part.frowns) and asked.settings.mode is Mode.PRESERVE:
             closing = (asked.tracked - asked.wanted)[:, self._lips] / _CLOSING_MM
             alone = ~(asked.hold[:, self._others] > 0).any(axis=1)
-            firm = np.clip(closing, 0.0, 1.0) * alone
+            firm = limited(closing) * alone
             frowns = tracked[:, part.frowns]
             most[:, part.frowns] = np.maximum(
                 frowns, most[:, part.frowns] - firm[:, None] * (most[:, part.frowns] - frowns)
@@ -184,7 +147,7 @@ class Combining:
         """
         part, old = self._part, known.old
         influence, (answer, exchange) = part.of_take(asked.influence), answered
-        room = np.full_like(old, np.inf)
+        room = _endless(old.shape, 1.0)
         if known.rest is not None and known.bounds is not None:
             unlike = asked.unlike[:, None]
             answer = part.whole(answer, unlike)
@@ -226,18 +189,17 @@ class Combining:
         part, naturalness = self._part, asked.settings.naturalness
         columns = part.have_columns
         vectors = part.vectors(weights)
-        lengths = part.lengths(vectors)
+        lengths = part.signed(vectors)
         aim = self._aim(weights, asked, (least, most), where, vectors, lengths)
         goal, hold, calm = aim.goal, asked.hold[where], asked.calm[where]
         beyond = np.maximum(part.beyond(goal.targets, hold), aim.share)
         found = aim.here.copy(order="K")
         quiet = np.minimum(aim.most, aim.here[:, columns] + room[where])
-        found[:, columns] = replace(aim, most=quiet).solve(
-            reach, columns, part.bounds(beyond), naturalness
-        )
+        found[:, columns] = aim.solve(reach, columns, part.bounds(beyond), naturalness, quiet)
         reached = part.lengths(part.vectors(found))
-        missing = np.abs(goal.targets_from(lengths[where]) - reached) - MISSING_MM - goal.tolerance
-        missing = np.where(goal.asked, missing * goal.firm, 0.0).max(axis=1).clip(0.0, 1.0)
+        aims = goal.targets_from(np.maximum(aim.lengths, 0.0))
+        missing = np.abs(aims - reached) - MISSING_MM - goal.tolerance
+        missing = limited(np.where(goal.asked, missing * goal.firm, 0.0).max(axis=1))
         if asked.calm.any():
             missing *= 1.0 - calm.max(axis=1, initial=0.0)
         asleep = (quiet < aim.most).any(axis=1)
@@ -246,7 +208,9 @@ class Combining:
             # What the take does not show, others do; and what is at rest leaves it.
             bounds = part.bounds(np.maximum(beyond, missing)[rest])
             more = replace(aim, share=np.maximum(aim.share, missing)).at(rest)
-            found[np.ix_(rest, columns)] = more.solve(reach, columns, bounds, naturalness)
+            found[np.ix_(rest, columns)] = more.solve(
+                reach, columns, bounds, naturalness, more.most
+            )
         weights[where] = found
 
     def _aim(
@@ -262,12 +226,12 @@ class Combining:
 
         Args:
             limits: (N, K) each, see `_go_on`.
-            vectors, lengths: (N, C, 3) and (N, C) mm, the region's own controls.
+            vectors, lengths: (N, C, 3) and (N, C) mm, the region's own controls; see `Distances`.
         """
         hold, wanted, calm = asked.hold[where], asked.wanted[where], asked.calm[where]
         tolerance: Doubles | float = 0.0
         if asked.calm.any():
-            passing = self._passing(asked, lengths)[where]
+            passing = self._passing(asked, np.maximum(lengths, 0.0))[where]
             wanted = wanted - passing
             tolerance = np.maximum(TWITCH * np.abs(passing), CALM_MM * calm.min(axis=1)[:, None])
         mask = hold > 0
@@ -276,10 +240,11 @@ class Combining:
         firmest = hold.max(axis=1, keepdims=True)
         if (mask & (hold < firmest)).any():
             firm = hold / firmest
-        strength = np.broadcast_to(asked.settings.reach * firmest, hold.shape)
+        strength = asked.settings.reach * firmest
         return _Aim(
             here=weights[where],
             vectors=vectors[where],
+            lengths=lengths[where],
             goal=Goal(wanted, strength, mask, tolerance, firm, self._part.free(hold / firmest)),
             still=self._part.of_take(asked.influence[where]) == 0,
             least=limits[0][where],
@@ -346,7 +311,7 @@ class _Aim:
 
     Attributes:
         here: (N, 52) weights.
-        vectors: (N, C, 3) mm, of the region's own controls.
+        vectors, lengths: (N, C, 3) and (N, C) mm, of the region's own controls.
         goal: see `Goal`.
         still: (N, K) channels that no edit influences.
         least, most: (N, K) the smallest and largest weights that any answer may give.
@@ -356,6 +321,7 @@ class _Aim:
 
     here: Doubles
     vectors: Doubles
+    lengths: Doubles
     goal: Goal
     still: Bools
     least: Doubles
@@ -365,7 +331,7 @@ class _Aim:
 
     def at(self, rows: Indices) -> _Aim:
         """The aim on some of the frames."""
-        start = self.here[rows], self.vectors[rows], self.goal.at(rows)
+        start = self.here[rows], self.vectors[rows], self.lengths[rows], self.goal.at(rows)
         limits = self.still[rows], self.least[rows], self.most[rows]
         return _Aim(*start, *limits, self.closed[rows], self.share[rows])
 
@@ -375,13 +341,26 @@ class _Aim:
         columns: Indices,
         bounds: tuple[Doubles, Doubles],
         naturalness: float,
+        most: Doubles,
     ) -> Doubles:
-        """(N, K) the weights of `columns` that reach finds within bounds, (N, K) each."""
+        """(N, K) the weights of `columns` that reach finds within bounds, (N, K) each.
+
+        Args:
+            most: (N, K) the largest weights; `self.most`, or less.
+        """
         start = self.here[:, columns]
         lower = np.where(self.still, start, np.maximum(bounds[0], self.least))
-        upper = np.where(self.still, start, np.minimum(bounds[1], self.most))
-        share, vectors = self.share, self.vectors
-        return reach(self.here, self.goal, upper, naturalness, lower, self.closed, share, vectors)
+        upper = np.where(self.still, start, np.minimum(bounds[1], most))
+        known = self.closed, self.share, self.vectors, self.lengths
+        return reach(self.here, self.goal, upper, naturalness, lower, *known)
+
+
+@lru_cache(maxsize=8)
+def _endless(shape: tuple[int, ...], sign: float) -> Doubles:
+    """(N, K) no limit: infinity, or minus infinity; shared, and never changed."""
+    endless = np.full(shape, sign * np.inf, order="F")
+    endless.flags.writeable = False
+    return endless
 
 
 def _couple(weights: Doubles, slack: Doubles, where: Bools) -> None:

@@ -25,8 +25,11 @@ def smoothed(curves: Doubles, sigma: float) -> Doubles:
     half_width = int(4 * sigma + 0.5)
     kernel = np.exp(-0.5 * (np.arange(half_width + 1) / sigma) ** 2)
     kernel /= kernel[0] + 2 * kernel[1:].sum()
-    wide = np.pad(curves, ((half_width, half_width), (0, 0)), mode="edge")
     count = len(curves)
+    # `np.pad` takes as long as all the sums.
+    wide = np.empty((count + 2 * half_width, curves.shape[1]), order="F")
+    wide[:half_width], wide[half_width + count :] = curves[0], curves[-1]
+    wide[half_width : half_width + count] = curves
     smooth: Doubles = kernel[0] * curves
     for step in range(1, half_width + 1):
         before, after = half_width - step, half_width + step

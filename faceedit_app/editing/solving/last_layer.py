@@ -99,7 +99,7 @@ class LastLayer:
         count = len(curves)
         chosen = np.linspace(0, count - 1, min(POSES, count)).round().astype(np.intp)
         poses = standard[np.concatenate([chosen, count + chosen])]
-        functions = _functions(standard, poses)
+        functions = _functions(standard, poses, _squares(poses))
         size = curves.shape[1]
         penalty = np.full(functions.shape[1], QUADRATIC)
         penalty[:size], penalty[-len(poses) :] = LINEAR, RADIAL
@@ -128,7 +128,7 @@ class LastLayer:
         within = np.minimum(np.maximum((curves - self.mean) / self.spread, self.low), self.high)
         # Brows and lids hear the same curves: what one asked for, the other asks for next.
         key = within.tobytes(), self._poses_key
-        functions = self.recent.to(key, lambda: _functions(within, self.poses))
+        functions = self.recent.to(key, lambda: _functions(within, self.poses, self._lengths))
         answer: Doubles = self.coefficients.T @ functions.T
         answer += self.constant[:, None]
         return answer.T
@@ -136,6 +136,10 @@ class LastLayer:
     @cached_property
     def _poses_key(self) -> bytes:
         return self.poses.tobytes()
+
+    @cached_property
+    def _lengths(self) -> Doubles:
+        return _squares(self.poses)
 
     def change(self, curves: Doubles, to: Doubles, known: Doubles) -> Doubles:
         """(N, K) how the correction changes from curves (N, C) to others.
@@ -215,10 +219,16 @@ def _pairs(curves: int) -> tuple[Indices, Indices]:
     return first, second
 
 
-def _functions(standard: Doubles, poses: Doubles) -> Doubles:
+def _squares(poses: Doubles) -> Doubles:
+    """(P, 1) half the square of the length of each pose (P, C), as `_functions` needs it."""
+    squares: Doubles = 0.5 * REACHES**-2 * (poses**2).sum(axis=1)[:, None]
+    return squares
+
+
+def _functions(standard: Doubles, poses: Doubles, squares: Doubles) -> Doubles:
     """(N, C) -> (N, F): the curves, their products, and how near they are to poses (P, C).
 
-    Column by column in memory, as curves are.
+    Column by column in memory, as curves are; `squares` are those of the poses, see `_squares`.
     """
     first, second = _pairs(standard.shape[1])
     size, pairs = standard.shape[1], len(first)
@@ -230,6 +240,6 @@ def _functions(standard: Doubles, poses: Doubles) -> Doubles:
     narrow = REACHES**-2
     near = (narrow * poses) @ rows
     near -= 0.5 * narrow * (rows**2).sum(axis=0)
-    near -= 0.5 * narrow * (poses**2).sum(axis=1)[:, None]
+    near -= squares
     np.exp(np.minimum(near, 0.0, out=near), out=functions[size + pairs :])
     return functions.T

@@ -117,13 +117,14 @@ class NetworkAnswers:
             begun.unedited = self._answers.to_tracked(heard, (first, last), naturalness)
         else:
             begun.unedited = self._answers.to(heard, (first, last), on_grid, naturalness)
+        moved = edited - on_grid
         for name in heard:
             part, layer = self._parts[name], self.last_layer(name, settings)
             if layer is not None and len(part.own):
                 key = (task.chunk, name, naturalness) if begin.as_tracked else None
-                moved = on_grid[:, part.layer_columns], (edited - on_grid)[:, part.layer_columns]
                 lacking = partial(_lacking, part, to_grid, begin, begun.unedited[name])
-                begun.exchanges[name] = self._residuals.exchange(key, layer, lacking, *moved)
+                curves, by = on_grid[:, part.layer_columns], moved[:, part.layer_columns]
+                begun.exchanges[name] = self._residuals.exchange(key, layer, lacking, curves, by)
         return begun
 
 

@@ -35,6 +35,7 @@ from faceedit_app.editing.solving.completing import Completing
 from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.reach import FREE_MM, HELD_MM, PARTED_MM, Reach
+from faceedit_app.editing.solving.reach_frames import limited
 from faceedit_app.editing.solving.take_statistics import IDLE, TakeStatistics
 
 if TYPE_CHECKING:  # the window is there before the networks
@@ -299,8 +300,7 @@ class Part:
         excess = np.maximum(low - wanted, wanted - high)
         excess /= self._far
         excess[hold <= 0] = 0.0
-        beyond: Doubles = np.minimum(np.maximum(excess.max(axis=1), 0.0), 1.0)
-        return beyond
+        return limited(excess.max(axis=1))
 
     def _far_beyond(self) -> Doubles:
         """(C,) mm: how far beyond the take's range a request may use all that a face can do."""
@@ -322,13 +322,30 @@ class Part:
         return values if self._has_all else values[:, self.have]
 
     def vectors(self, weights: Doubles) -> Doubles:
-        """(N, C, 3) mm: its own controls with weights (N, 52), see `Distances.vectors`."""
-        return self._distances.vectors(weights)
+        """(N, C, 3) mm: its own controls with weights (N, 52), see `Distances.vectors`.
+
+        Column by column in memory.
+        """
+        offsets, moves = self._moves
+        vectors: Doubles = (moves @ weights.T).reshape(3, len(self.own), len(weights))
+        vectors += offsets
+        return vectors.T
+
+    @cached_property
+    def _moves(self) -> tuple[Doubles, Doubles]:
+        """(3, C, 1) mm, its own vectors, and (3 C, 52) how weights move them."""
+        gradients = self._distances.gradients.T.reshape(3 * len(self.own), len(ARKIT_INDEX))
+        offsets = self._distances.offsets.T[:, :, None]
+        return offsets.astype(np.float64), np.ascontiguousarray(gradients, np.float64)
+
+    def signed(self, vectors: Doubles) -> Doubles:
+        """(N, C) mm: its own controls, of vectors (N, C, 3); see `Distances.lengths`."""
+        signed: Doubles = np.asfortranarray(self._distances.lengths(vectors))
+        return signed
 
     def lengths(self, vectors: Doubles) -> Doubles:
-        """(N, C) mm: its own controls, of vectors (N, C, 3)."""
-        lengths: Doubles = np.asfortranarray(self._distances.lengths(vectors))
-        return np.maximum(lengths, 0.0, out=lengths)
+        """(N, C) mm: the same, 0 for those that have passed each other."""
+        return np.maximum(self.signed(vectors), 0.0)
 
     def calmed(self, mute: Collection[str]) -> Calmed:
         """Its answer to smooths; `mute`: controls that edits cannot ask for."""
@@ -361,8 +378,7 @@ class Part:
         if not len(self.own):
             return np.zeros(len(change))
         distance = self.expectation.distance(change)
-        unlike: Doubles = ((distance - ALIKE) / (UNLIKE - ALIKE)).clip(0.0, 1.0)
-        return unlike
+        return limited((distance - ALIKE) / (UNLIKE - ALIKE))
 
     def last_layer(self, answers: list[Doubles], sample: Sample) -> LastLayer:
         """Fit the take's own last layer.

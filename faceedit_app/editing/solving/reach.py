@@ -50,7 +50,7 @@ class Goal:
 
     Attributes:
         targets: (N, C), mm.
-        strength: (N, C) in 0..1, how far to go from the present length to the target.
+        strength: (N, C) or (N, 1) in 0..1, how far to go from the present length to the target.
         asked: (N, C) bool, whether the user asked for this control; the others stay near their
             targets and give way.
         tolerance: (N, C) mm that a control may miss its target by, added to what all may.
@@ -128,7 +128,7 @@ class Reach:
         self._more = None if wide is None else wide - covariance
         natural = covariance if natural is None else natural
         gradients = distances.gradients[channels].astype(np.float64)  # (K, C, 3)
-        self._moves = np.ascontiguousarray(gradients.transpose(2, 1, 0))  # (3, C, K)
+        self._moves = np.ascontiguousarray(gradients.T.reshape(-1, len(channels)))  # (3 C, K)
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
         self._spreads = self._slopes @ covariance
         shuts = distances.shuts & distances.gradients[:, :, ::2].any(axis=(0, 2))
@@ -318,9 +318,9 @@ class Reach:
 
     def _moved(self, change: Doubles) -> Doubles:
         """(N, C, 3) mm by which a change (N, K) moves the vectors."""
-        moves = self._moves
-        by: Doubles = (moves.reshape(-1, moves.shape[2]) @ change.T).reshape(*moves.shape[:2], -1).T
-        return by
+        count = len(self._slopes)
+        by: Doubles = (self._moves @ change.T).reshape(3, count, len(change))
+        return by.T
 
     def _shortening(self, change: Doubles, limit: Doubles) -> Doubles:
         """(N, 1) factors that limit the length of each frame's change."""

@@ -95,15 +95,14 @@ def at(values: NDArray[Any], rows: Indices) -> NDArray[Any]:
 
 def limited(values: Doubles) -> Doubles:
     """The values, not below 0 and not above 1."""
-    limited: Doubles = np.minimum(np.maximum(values, 0.0), 1.0)
-    return limited
+    inside: Doubles = np.minimum(np.maximum(values, 0.0), 1.0)
+    return inside
 
 
 def solved(system: Doubles, right: Doubles) -> Doubles:
     """(N, C) solutions of N systems (N, C, C), symmetric and positive, with right sides (N, C)."""
     if system.shape[1] != 2:
-        found: Doubles = np.linalg.solve(system, right[:, :, None])[:, :, 0]
-        return found
+        return np.asarray(np.linalg.solve(system, right[:, :, None])[:, :, 0], np.float64)
     first, both, second = system[:, 0, 0], system[:, 0, 1], system[:, 1, 1]
     x, y = right.T
     pair = np.stack([second * x - both * y, first * y - both * x], axis=1)

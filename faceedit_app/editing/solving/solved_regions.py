@@ -10,10 +10,11 @@ import numpy as np
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.solving.chunks import ChunkTask
-from faceedit_app.editing.solving.combining import Answer, Combining, RegionRequest
+from faceedit_app.editing.solving.combining import Answer, Combining
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import Part
+from faceedit_app.editing.solving.region_request import RegionRequest
 from faceedit_app.editing.solving.request import Request
 from faceedit_app.editing.solving.start import Start
 
@@ -79,40 +80,35 @@ class SolvedRegions:
         """
         slow = smoothed(change, self._quick)
         answers = self._networks.begin(task, tuple(influences), start, slow)
-        tracked, change, slow = start.curves[inner], change[inner], slow[inner]
+        curves = _Curves.of(start.curves[inner], change[inner], slow[inner])
         requests = {}
         for name, influence in influences.items():
-            request = self._request(name, task.settings, tracked, change, slow, asked, influence)
-            requests[name] = request
+            request = self._request(name, task.settings, curves, asked, influence)
             solved = self._solved.get((task.chunk, name))
-            if solved is None or not solved.asked.equals(request):
+            if solved is not None and solved.asked.equals(request):
+                request = solved.asked  # which need not be compared again
+            else:
                 self._combining[name].prepare(weights, request)
+            requests[name] = request
         for name, request in requests.items():
             self._solve_one(task.chunk, name, weights, request, answers.wait(name))
 
     def _request(
-        self,
-        name: str,
-        settings: Settings,
-        tracked: Doubles,
-        change: Doubles,
-        slow: Doubles,
-        asked: Request,
-        influence: Doubles,
+        self, name: str, settings: Settings, curves: _Curves, asked: Request, influence: Doubles
     ) -> RegionRequest:
-        """What a change of the curves, (N, C) mm, asks of a region."""
+        """What a change of the curves asks of a region."""
         part = self._parts[name]
         heard, own = part.layer_columns, part.own_columns
         return RegionRequest(
             settings=part.answered_by(settings),
             layer=self._networks.last_layer(name, settings),
-            unlike=part.unlike(change[:, own]),
+            unlike=part.unlike(curves.change[:, own]),
             influence=influence,
-            slow=slow[:, heard],
-            before=tracked[:, heard],
-            quick=(change - slow)[:, own],
-            tracked=tracked[:, own],
-            wanted=(tracked + change)[:, own],
+            slow=curves.slow[:, heard],
+            before=curves.tracked[:, heard],
+            quick=curves.quick[:, own],
+            tracked=curves.tracked[:, own],
+            wanted=curves.wanted[:, own],
             hold=asked.hold[:, own],
             calm=asked.calm[:, own],
         )
@@ -134,6 +130,27 @@ class SolvedRegions:
         while len(self._solved) > REMEMBERED:
             del self._solved[next(iter(self._solved))]  # the least recently used
         weights[:, part.have_columns] = known.result
+
+
+@dataclass(frozen=True)
+class _Curves:
+    """All curves of a chunk, (N, C) mm each.
+
+    Attributes:
+        tracked, wanted: as they are, and as they should be.
+        change, slow, quick: the change, and its two parts.
+    """
+
+    tracked: Doubles
+    wanted: Doubles
+    change: Doubles
+    slow: Doubles
+    quick: Doubles
+
+    @classmethod
+    def of(cls, tracked: Doubles, change: Doubles, slow: Doubles) -> _Curves:
+        """With what follows from these."""
+        return cls(tracked, tracked + change, change, slow, change - slow)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ right. Only quick movement is not: one side of a face may shake while the other 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -107,7 +108,7 @@ class TakeStatistics:
         """(N, M) in 0..1: how far channels that rest are at rest, in weights (N, M) of some."""
         away = (weights - self.low[channels]) / WAKES
         at_rest: Doubles = np.minimum(np.maximum(1.0 - away, 0.0), 1.0)
-        at_rest[:, ~self.rests[channels]] = 0.0
+        at_rest *= self.rests[channels]
         return at_rest
 
     def bounds(self, beyond: Doubles) -> tuple[Doubles, Doubles]:
@@ -117,13 +118,18 @@ class TakeStatistics:
             beyond: (N,) in 0..1: how far a request leaves what the take itself does. At 0 the
                 channels keep to the take's range, at 1 to what a face can do.
         """
-        high = np.maximum(self.high, np.minimum(self.high + MARGIN, 1.0))
+        low, high, falls, rises = self._ends
         if not beyond.any():
-            return self.low[None], high[None]
-        more = beyond[:, None].T
-        upper = high[:, None] + np.maximum(1.0 - high, 0.0)[:, None] * more
-        lower = self.low[:, None] - np.maximum(self.low, 0.0)[:, None] * more
-        return lower.T, upper.T
+            return low.T, high.T
+        return (low - falls * beyond).T, (high + rises * beyond).T
+
+    @cached_property
+    def _ends(self) -> tuple[Doubles, Doubles, Doubles, Doubles]:
+        """(K, 1) each: the take's own ends, and how far those of a face are below and above."""
+        high = np.maximum(self.high, np.minimum(self.high + MARGIN, 1.0))
+        ends = self.low, high, np.maximum(self.low, 0.0), np.maximum(1.0 - high, 0.0)
+        low, high, falls, rises = (each[:, None] for each in ends)
+        return low, high, falls, rises
 
 
 def _covariance(weights: Doubles) -> Doubles:
