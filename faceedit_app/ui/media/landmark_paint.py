@@ -9,7 +9,6 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.tracking.drawing import STROKES
 
-
 _EYES = 33, 263  # the outer corners
 # Of the distance between them: how thick lines are, and how large the points of a control. On a
 # small face they would hide what they show; these are the least and the most, pixels.
