@@ -166,6 +166,15 @@ def test_clear_speech_moves_more_and_closures_stay(session: EditSession, amount:
     np.testing.assert_allclose(session.achieved[:, others], before[:, others], atol=0.05)
 
 
+def test_mumbling_keeps_closures_that_follow_each_other() -> None:
+    words = said(("bob", "B AA B"), ("maple", "M EY P AH L"), ("bob", "B AA B"), each=0.09)
+    session = session_by_networks(mumbling_clip(words, rate=25.0), shipped_engine())
+    session.say(words)
+    session.add(*closing_edits(session))
+    session.add(*articulate(session, words, (0.0, 3.0), -1.0))
+    assert max(closure.gap for closure in closures_of(session)) <= 0.3
+
+
 def test_clear_speech_stays_in_its_range(session: EditSession) -> None:
     before = session.weights.copy()
     session.add(*articulate(session, WORDS, (0.5, 0.9), 1.0))

@@ -25,7 +25,8 @@ from faceedit_app.words.transcript import Transcript
 
 MOST = 0.6  # of the movement, added or taken away at the ends of the slider
 _FALLOFF = 0.1  # seconds at the ends of the stretch
-_KEPT = 0.06  # seconds around a closure over which the change fades in
+_HELD = 0.04  # seconds on either side of a closure that stay as they are
+_KEPT = 0.06  # seconds beside that over which the change fades in
 _NEGLIGIBLE = 0.05  # mm; curves that would move less are left alone
 # The corners follow the width; the mouth smiles no more for being clear.
 _MOVED = tuple(
@@ -56,7 +57,8 @@ def articulate(
         curve = session.achieved[:, CONTROL_INDEX[control]].astype(np.float64)
         is_opening = control == LIP_OPENING
         rest = LipGap.of(session.rig).touching if is_opening else float(np.median(curve))
-        change = MOST * amount * (curve[where] - rest) * (free if is_opening else 1.0)
+        # Where lips meet, the other curves stay too: lips that rise and drop would part them.
+        change = MOST * amount * (curve[where] - rest) * free
         if np.abs(change).max() < _NEGLIGIBLE:
             continue
         points = tuple(
@@ -71,11 +73,14 @@ def articulate(
 
 def _touching(words: Transcript, times: Times, session: EditSession) -> Doubles:
     """(T,) 1 where lips touch each other or the teeth for a phoneme, fading to 0."""
-    curve = session.achieved[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64)
+    curves = {
+        Lips.CLOSE: LipGap.of(session.rig).measure(session.weights),  # as closures are found
+        Lips.TEETH: session.achieved[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64),
+    }
     touching = np.zeros(len(times))
     for _, phoneme in words.phonemes():
-        if lips_of(phoneme.symbol) in (Lips.CLOSE, Lips.TEETH):
-            frame = dip_at(times, curve, phoneme)
-            if frame is not None:
-                np.maximum(touching, fade(np.abs(times - times[frame]) - 0.02, _KEPT), touching)
+        curve = curves.get(lips_of(phoneme.symbol) or Lips.PUCKER)
+        frame = dip_at(times, curve, phoneme) if curve is not None else None
+        if frame is not None:
+            np.maximum(touching, fade(np.abs(times - times[frame]) - _HELD, _KEPT), touching)
     return touching
