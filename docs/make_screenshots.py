@@ -1,4 +1,4 @@
-"""Writes the pictures of README.md, docs/guide.md and docs/film.md, and docs/shortcuts.md.
+"""Writes the pictures of README.md and of guide, film and words in docs, and docs/shortcuts.md.
 
     python docs/make_screenshots.py
 
@@ -33,6 +33,8 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.film_file import write_film
+from faceedit_app.lab.training import demo_take
+from faceedit_app.lab.training.phonemes import PAUSE, parse
 from faceedit_app.media.film import Film as OpenFilm
 from faceedit_app.render import Camera, default_camera
 from faceedit_app.render.renderer import open_renderer
@@ -45,6 +47,8 @@ from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.application import application
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
+from faceedit_app.words.dictionary import tokens
+from faceedit_app.words.transcript import Phoneme, Transcript, Word
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "images"
@@ -73,6 +77,7 @@ def main() -> None:
         picture(window, "guide_start")
         window.open_demo_now()
         walk(window)
+        speak(window)
         window.leave()
         film = MainWindow(Preferences(settings))
         film.resize(*FILM_SIZE)
@@ -162,6 +167,36 @@ def walk(window: MainWindow) -> None:
     picture(window, "guide_difference")
     do(window, "show_difference")
     do(window, "show_edited")
+
+
+def speak(window: MainWindow) -> None:
+    """The demo take again, with what it says."""
+    window.open_demo_now()
+    editor, session = window.editor, window.document.session
+    assert editor is not None
+    assert session is not None
+    session.say(demo_words())
+    wait(0.6)  # problems are searched
+    go_to(window, editor, "lips")
+    do(window, "fix_problem")
+    picture(window, "words")
+    do(window, "deselect")
+
+
+def demo_words() -> Transcript:
+    """What the demo take says, as it was synthesised."""
+    script = demo_take.script()
+    symbols = [phoneme.symbol for phoneme in script.phonemes]
+    texts = tokens(" ".join(demo_take.SENTENCES))
+    words, at = list[Word](), 0
+    for text, said in zip(texts, " ".join(demo_take.TRANSCRIPTIONS).split(), strict=True):
+        while symbols[at] == PAUSE:
+            at += 1
+        until = at + len(parse(said))
+        parts = tuple(Phoneme(symbols[i], *script.span(i)) for i in range(at, until))
+        words.append(Word(text, parts[0].start, parts[-1].end, parts))
+        at = until
+    return Transcript(tuple(words))
 
 
 def track(window: MainWindow, folder: Path) -> None:

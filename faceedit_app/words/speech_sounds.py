@@ -16,6 +16,7 @@ class Lips(StrEnum):
     PROTRUDE = "protrude"  # sh, ch: they come forward
 
 
+_STRESS = re.compile(r"(?<=\D)\d+$")  # or tone; a digit alone is a vowel in SAMPA
 _ARPABET = {
     **dict.fromkeys(("P", "B", "M", "EM"), Lips.CLOSE),
     **dict.fromkeys(("F", "V"), Lips.TEETH),
@@ -32,7 +33,7 @@ _IPA = {
 
 def lips_of(symbol: str) -> Lips | None:
     """What a phoneme asks of the lips; None if it leaves them to its neighbours."""
-    bare = re.sub(r"\d+$", "", symbol.strip())  # stress
+    bare = _STRESS.sub("", symbol.strip())
     if bare in _ARPABET:
         return _ARPABET[bare]
     letters = unicodedata.normalize("NFD", bare)  # without length, aspiration and diacritics
@@ -42,4 +43,4 @@ def lips_of(symbol: str) -> Lips | None:
 
 def spelled(symbol: str) -> str:
     """A phoneme as a message names it: B is b."""
-    return re.sub(r"\d+$", "", symbol).lower()
+    return _STRESS.sub("", symbol).lower()

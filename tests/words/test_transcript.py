@@ -9,7 +9,7 @@ import pytest
 from support.speech import said
 
 from faceedit_app.core.fields import FieldError, Fields
-from faceedit_app.words.speech_sounds import Lips, lips_of
+from faceedit_app.words.speech_sounds import Lips, lips_of, spelled
 from faceedit_app.words.transcript import Transcript, to_json, transcript_from
 
 WORDS = said(("blue", "B L UW"), ("map", "M AE P"))
@@ -82,3 +82,11 @@ def test_damaged_words_are_refused(change: dict[str, Any], says: str) -> None:
 )
 def test_phonemes_say_what_the_lips_do(symbol: str, lips: Lips | None) -> None:
     assert lips_of(symbol) is lips
+
+
+@pytest.mark.parametrize(
+    ("symbol", "shown"),
+    [("IH1", "ih"), ("tʃ", "tʃ"), ("ma55", "ma"), ("3", "3")],  # 3 is a vowel in SAMPA
+)
+def test_phonemes_are_shown_without_their_stress(symbol: str, shown: str) -> None:
+    assert spelled(symbol) == shown
