@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,10 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from support.character_files import write_glb, write_objs
-from support.waiting import wait_for_background
+from support.waiting import run_events, wait_for_background
 from support.windows import Bench, add_edit, drop, editor_of, session_of, trigger
 
-from faceedit_app.characters.fitted import fit
+from faceedit_app.characters.fitted import FittedCharacter, fit
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.characters.registry import read_character
 from faceedit_app.characters.scenes import SCENES, scene_content
@@ -23,7 +24,9 @@ from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.character.points_overlay import PointsOverlay
 from faceedit_app.ui.character.shape_table import LIMIT, MULTIPLIER, NO_SHAPE, SHAPE
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.start import window as start_window
 from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state import loading
 
 
 @pytest.fixture
@@ -308,3 +311,34 @@ def test_the_face_of_a_take_can_be_shown_as_the_character(
     bench.qtbot.waitUntil(lambda: window.document.character is not None)
     assert session_of(window).shown_rig.name == "animated"
     assert "It also has a face" not in banner.text.text()
+
+
+@pytest.mark.parametrize("instead", ["another", "ours"])
+def test_while_a_large_head_is_read_the_take_stays_and_the_last_choice_counts(
+    instead: str, bench: Bench, head: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gate, load = threading.Event(), loading.load_own_character
+
+    def slowly(path: Path) -> FittedCharacter:
+        assert path != head or gate.wait(30)
+        return load(path)
+
+    monkeypatch.setattr(loading, "load_own_character", slowly)
+    monkeypatch.setattr(start_window, "_SLOW_MS", 0)
+    window = bench.editing()
+    monkeypatch.setattr(dialogs, "ask_character", lambda *_: head)
+    trigger(window, "open_character")
+    run_events()
+    assert editor_of(window).isVisible()
+    assert "head.glb" in window.status.currentMessage()
+    if instead == "ours":
+        assert window.actions_["own_character"].isEnabled()
+        trigger(window, "own_character")
+    else:
+        open_character(bench, window, write_glb(tmp_path / "small.glb"), monkeypatch)
+    assert "head.glb" not in window.status.currentMessage()
+    gate.set()
+    wait_for_background(window.workspace.background)
+    shown = window.document.character
+    assert (shown and shown.character.path.name) == (None if instead == "ours" else "small.glb")
+    assert session_of(window).shown_rig.name != "head"

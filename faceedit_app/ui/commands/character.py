@@ -45,6 +45,11 @@ class CharacterCommands:
         self._document.opened.connect(self._refresh)
 
     @property
+    def can_show_own(self) -> bool:
+        """Whether a character of the user's is shown, or being read."""
+        return self.is_shown or self._workspace.opens_character
+
+    @property
     def is_shown(self) -> bool:
         """Whether a character of the user's is shown."""
         return self._document.character is not None
@@ -89,8 +94,7 @@ class CharacterCommands:
     def show_own(self) -> None:
         """Show FaceEdit's own character again."""
         self._workspace.end_gestures()
-        if self.is_shown:
-            self._document.use_character(None)
+        self._workspace.show_own_character()
 
     def ask_make(self) -> None:
         """Make a character from a scan that the user chooses."""

@@ -303,7 +303,7 @@ MENU: Menu[FileCommands] = Menu("&File", (
             fills=lambda do, menu: do.character.fill_recent(menu)),
     Command("own_character", "&FaceEdit's own", lambda do: do.character.show_own(), (),
             "Show the character that ships with FaceEdit", needs_take=False,
-            enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+            enabled=lambda do: do.character.can_show_own, submenu=CHARACTER),
     Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
             "Show which shapes and points were found in your character, and correct them",
             needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),

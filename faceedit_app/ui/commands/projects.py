@@ -156,12 +156,11 @@ def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
     """Show the character that the project was saved with; if it is gone, say so and show ours."""
     wanted = project.character
     if wanted is None:
-        if workspace.document.character is not None:
-            workspace.document.use_character(None)
+        workspace.show_own_character()
         return
     found = locate_character(wanted, path)
     if found is None:
-        workspace.document.use_character(None)
+        workspace.show_own_character()
         workspace.warning.emit(
             f"{wanted.path} is missing, so FaceEdit's own character is shown; open yours with "
             "File > Character > Open"

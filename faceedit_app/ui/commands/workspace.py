@@ -65,6 +65,7 @@ class Workspace(QObject):
         self.unfinished = Unfinished()
         self.opener = TakeOpener(self.document, self.background, self)
         self.page: Editor | None = None
+        self._wanted_character: Path | None = None  # which is being read
         self._keep_volume()
 
     def _keep_volume(self) -> None:
@@ -153,25 +154,52 @@ class Workspace(QObject):
     ) -> None:
         """Read a character of the user's in the background and show it; on an error the old stays.
 
+        If another one is chosen before it is read, that one is shown.
+
         Args:
             failed: is given one line about the error.
             done: called once it is shown.
         """
 
+        def is_wanted() -> bool:
+            if self._wanted_character != path:
+                return False
+            self._forget_wanted()
+            return True
+
         def show(character: FittedCharacter) -> None:
-            self.opener.reading.emit("")
+            if not is_wanted():
+                return
             self.document.use_character(character)
             self.message.emit(f"Opened the character {path.name}")
             done()
 
         def report(error: Exception) -> None:
-            self.opener.reading.emit("")
+            is_shown = is_wanted()
             if not isinstance(error, FaceEditError):
                 raise error
-            failed(str(error))
+            if is_shown:
+                failed(str(error))
 
+        self._wanted_character = path
         self.opener.reading.emit(f"Opening {path.name}…")
         self.background.run(lambda: loading.load_own_character(path), show, report)
+
+    @property
+    def opens_character(self) -> bool:
+        """Whether a character of the user's is being read."""
+        return self._wanted_character is not None
+
+    def show_own_character(self) -> None:
+        """Show FaceEdit's own character, also instead of one that is being read."""
+        if self.opens_character:
+            self._forget_wanted()
+        if self.document.character is not None:
+            self.document.use_character(None)
+
+    def _forget_wanted(self) -> None:
+        self._wanted_character = None
+        self.opener.reading.emit("")
 
     # --- gestures in progress ----------------------------------------------------------------
 

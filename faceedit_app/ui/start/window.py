@@ -326,11 +326,13 @@ class MainWindow(WindowBase):
         self._pages.setCurrentWidget(self.start_page)
 
     def _show_reading(self, text: str) -> None:
+        self.actions_.refresh()
         self.start_page.show_loading(text or None)
         if self.document.session is not None and self.editor is not None:
             # What takes long clears the take that it replaces; if it fails, that one comes back.
+            # A character replaces no take.
             self._pages.setCurrentWidget(self.editor)
-            if text:
+            if text and self.workspace.opener.is_reading:
                 self._slow_reading.start()
             else:
                 self._slow_reading.stop()
