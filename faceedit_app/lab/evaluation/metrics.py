@@ -111,6 +111,73 @@ def closures(answer: Doubles, truth: Doubles, thresholds: Sequence[float]) -> Cl
     return Closures(tuple(map(float, thresholds)), tuple(tpr), tuple(fpr), tuple(actual))
 
 
+@dataclass(frozen=True)
+class ShutCounts:
+    """How many closures are kept and made up, by frames or by events; sums of films can be added.
+
+    An event is a run of closed frames. It is kept if the answer is closed in any of them. One of
+    the answer is made up if the truth is closed neither in it nor in a frame beside it.
+
+    Attributes:
+        actual: closures in truth.
+        kept: those that are closures in the answer.
+        made_up: closures in the answer that are none in truth.
+        far: those of them in which the truth is not even near one.
+    """
+
+    actual: int
+    kept: int
+    made_up: int
+    far: int
+
+    def __add__(self, other: ShutCounts) -> ShutCounts:
+        return ShutCounts(
+            self.actual + other.actual,
+            self.kept + other.kept,
+            self.made_up + other.made_up,
+            self.far + other.far,
+        )
+
+    @property
+    def rates(self) -> tuple[float, float, float]:
+        """`kept`, `made_up` and `far` by the number of actual closures; NaN without any."""
+        count = self.actual or float("nan")
+        return self.kept / count, self.made_up / count, self.far / count
+
+
+def shut_counts(
+    answer: Doubles, truth: Doubles, threshold: float, near: float
+) -> tuple[ShutCounts, ShutCounts]:
+    """Count closures by frames, and by events.
+
+    Args:
+        answer, truth: (T,) mm, consecutive frames.
+        threshold: mm, below which a frame is closed.
+        near: mm above the threshold in which a truth is near a closure.
+    """
+    says, is_closed, is_near = answer < threshold, truth < threshold, truth < threshold + near
+    frames = ShutCounts(
+        int(is_closed.sum()),
+        int((is_closed & says).sum()),
+        int((says & ~is_closed).sum()),
+        int((says & ~is_near).sum()),
+    )
+    found = [slice(max(first - 1, 0), last + 1) for first, last in _runs(says)]
+    events = ShutCounts(
+        len(_runs(is_closed)),
+        sum(bool(says[first:last].any()) for first, last in _runs(is_closed)),
+        sum(not is_closed[run].any() for run in found),
+        sum(not is_near[run].any() for run in found),
+    )
+    return frames, events
+
+
+def _runs(closed: Bools) -> list[tuple[int, int]]:
+    """The first frame of each run of closed ones, and the one after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], closed.astype(int), [0]])))
+    return [(int(first), int(last)) for first, last in edges.reshape(-1, 2)]
+
+
 def region_vertices(rig: Rig, region: Region) -> Indices:
     """Indices of the lip, lid or brow vertices that a region's error is measured on."""
     if region.id == UPPER.id:

@@ -1,7 +1,8 @@
 """How exactly films are tracked: on films of characters, rendered from takes.
 
 Three methods are compared: the weights of MediaPipe's own network, our fit of each picture by
-itself, and our fit over time.
+itself, and our fit over time. Beside them are the weights that the film was rendered with: on
+another character than the shipped one they show other distances, so that even they are off.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.lab.evaluation.kept_films import KeptFilms
-from faceedit_app.lab.evaluation.metrics import closures
+from faceedit_app.lab.evaluation.metrics import ShutCounts, shut_counts
 from faceedit_app.lab.evaluation.rendered_films import (
     CONDITIONS,
     Conditions,
@@ -46,9 +47,10 @@ from faceedit_app.tracking.fit import FitSettings
 from faceedit_app.tracking.landmarker import TASK, FaceLandmarker, Network
 from faceedit_app.tracking.tracker import fit_landmarks
 
-NETWORK, EACH, FULL = "network", "each picture", "over time"
-METHODS = (NETWORK, EACH, FULL)
+TRUE, NETWORK, EACH, FULL = "true weights", "network", "each picture", "over time"
+METHODS = (TRUE, NETWORK, EACH, FULL)
 _SHUT = 2.0  # mm between lips or lids that count as shut
+_NEAR = 0.5  # mm above that; what is measured is not more exact
 _FARTHEST_LAG = 4  # frames
 _FINE = 20  # steps in a frame when the lag is measured
 _STILL = 0.25  # mm per frame; slower lips are at rest
@@ -81,6 +83,9 @@ _NETWORK_CHANNELS = (
 # fmt: on
 
 
+Rates = tuple[float, float, float]
+
+
 @dataclass(frozen=True)
 class TrackingFigures:
     """How one method does under one kind of conditions, over all takes.
@@ -89,7 +94,9 @@ class TrackingFigures:
         character, conditions, method: their names.
         error: (C,) mm, median absolute error of each control, as measured on the character itself.
         moved: (C,) mm, the same without the constant part of each film, which is the person's rest.
-        lips, lids: TPR and FPR of those that are shut, see `metrics.Closures`; NaN if none is.
+        lips, lids: of frames in which they are shut, TPR, FPR, and FPR beside those nearly so, see
+            `ShutCounts.rates`; NaN if none is.
+        lip_events, lid_events: the same of the times that they shut.
         lag: frames by which the mouth's opening is late.
         jitter: how much more the lips shake at rest than in truth, mm per frame².
         lost: share of the pictures that are gaps.
@@ -100,8 +107,10 @@ class TrackingFigures:
     method: str
     error: tuple[float, ...]
     moved: tuple[float, ...]
-    lips: tuple[float, float]
-    lids: tuple[float, float]
+    lips: Rates
+    lids: Rates
+    lip_events: Rates
+    lid_events: Rates
     lag: float
     jitter: float
     lost: float
@@ -141,6 +150,7 @@ def evaluate_tracking(
             make = partial(_film, actor, truth, how, landmarker)
             film = kept.of(actor, truth, how, make)
             shown = actor.arkit_distances.measure(truth.weights)
+            found[TRUE].append((rig.arkit_distances.measure(truth.weights), shown, 0.0))
             for method, weights, lost in _tracked(film, model, network):
                 found[method].append((rig.arkit_distances.measure(weights), shown, lost))
             progress(number * len(takes) + index + 1, len(films) * len(takes))
@@ -199,23 +209,35 @@ def _figures(
     found = np.concatenate([film[0] for film in films]).astype(np.float64)
     truth = np.concatenate([film[1] for film in films]).astype(np.float64)
     opening = CONTROL_INDEX[LIP_OPENING]
+    lips, lip_events = _shut(films, [opening])
+    lids, lid_events = _shut(films, [CONTROL_INDEX[lid] for lid in LIDS])
     return TrackingFigures(
         character,
         conditions,
         method,
         tuple(error.tolist()),
         tuple(moved.tolist()),
-        _shut(found, truth, [opening]),
-        _shut(found, truth, [CONTROL_INDEX[lid] for lid in LIDS]),
+        lips,
+        lids,
+        lip_events,
+        lid_events,
         float(np.mean([lag(f[:, opening], t[:, opening]) for f, t, _ in films])),
         _jitter(found[:, opening], truth[:, opening]),
         float(np.mean([lost for _, _, lost in films])),
     )
 
 
-def _shut(found: Doubles, truth: Doubles, columns: Sequence[int]) -> tuple[float, float]:
-    rates = closures(found[:, columns].ravel(), truth[:, columns].ravel(), [_SHUT])
-    return rates.tpr[0], rates.fpr[0]
+def _shut(
+    films: Sequence[tuple[Floats, Floats, float]], columns: Sequence[int]
+) -> tuple[Rates, Rates]:
+    """The rates of frames and of events in which lips or lids are shut."""
+    frames = events = ShutCounts(0, 0, 0, 0)
+    for found, truth, _ in films:
+        for column in columns:
+            mine, theirs = (x[:, column].astype(np.float64) for x in (found, truth))
+            some, runs = shut_counts(mine, theirs, _SHUT, _NEAR)
+            frames, events = frames + some, events + runs
+    return frames.rates, events.rates
 
 
 def lag(found: Doubles | Floats, truth: Doubles | Floats) -> float:
@@ -249,8 +271,9 @@ def table(figures: Sequence[TrackingFigures]) -> str:
     others = [i for i in main if i not in (opening, *lids)]
     rows = [
         "| character | film | method | lips, mm | lips from rest | lids | lids from rest | others "
-        "| others from rest | lips shut TPR / FPR | lids shut TPR / FPR | lag | jitter | lost |",
-        "|" + "---|" * 14,
+        "| others from rest | lips shut TPR / FPR (far) | by event | lids shut TPR / FPR (far) "
+        "| by event | lag | jitter | lost |",
+        "|" + "---|" * 16,
     ]
     for one in figures:
         error, moved = np.array(one.error), np.array(one.moved)
@@ -264,8 +287,7 @@ def table(figures: Sequence[TrackingFigures]) -> str:
             one.conditions,
             one.method,
             *errors,
-            _rates(one.lips),
-            _rates(one.lids),
+            *map(_rates, (one.lips, one.lip_events, one.lids, one.lid_events)),
             f"{one.lag:+.2f}",
             f"{one.jitter:.2f}",
             f"{one.lost:.0%}",
@@ -274,9 +296,10 @@ def table(figures: Sequence[TrackingFigures]) -> str:
     return "\n".join(rows)
 
 
-def _rates(rates: tuple[float, float]) -> str:
-    """TPR / FPR; dashes if nothing is ever shut."""
-    return " / ".join("–" if math.isnan(rate) else f"{rate:.2f}" for rate in rates)
+def _rates(rates: Rates) -> str:
+    """TPR / FPR, and the FPR beside frames that are nearly shut; dashes if nothing is ever shut."""
+    tpr, fpr, far = ("–" if math.isnan(rate) else f"{rate:.2f}" for rate in rates)
+    return f"{tpr} / {fpr} ({far})"
 
 
 def as_json(figures: Sequence[TrackingFigures]) -> list[dict[str, Any]]:
@@ -286,7 +309,7 @@ def as_json(figures: Sequence[TrackingFigures]) -> list[dict[str, Any]]:
         facts = asdict(one)
         for key in ("error", "moved"):
             facts[key] = dict(zip(CONTROL_IDS, facts[key], strict=True))
-        for key in ("lips", "lids"):  # JSON has no NaN
+        for key in ("lips", "lids", "lip_events", "lid_events"):  # JSON has no NaN
             facts[key] = [None if math.isnan(rate) else rate for rate in facts[key]]
         out.append(facts)
     return out

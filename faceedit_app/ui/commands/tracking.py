@@ -13,6 +13,7 @@ from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned, has_sound
 from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import sentence
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
 from faceedit_app.ui.state import loading
 
@@ -126,7 +127,7 @@ class FilmTracking:
 
         def opened() -> None:
             for note in tracked.notes:
-                workspace.warning.emit(note)
+                workspace.warning.emit(sentence(note))
             frames = int(tracked.sure.sum())
             workspace.message.emit(f"Tracked {frames} frames of {film.name}: {self._take}")
 
