@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtGui import QImage
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QImage, QPainter
 from support.films import make_film
 from support.media import FakeOutput, settle, shown, with_media
 from support.takes import make_livelink_csv
 from support.waiting import run_events
 from support.windows import Bench, editor_of, session_of, trigger
+
+from faceedit_app.tracking.landmarker import LANDMARKS
+from faceedit_app.ui.media.landmark_paint import paint_landmarks
 
 
 def test_the_film_shows_the_picture_of_the_frame(bench: Bench, devices: list[FakeOutput]) -> None:
@@ -62,6 +66,24 @@ def test_a_mirrored_film_is_shown_as_in_a_mirror_and_kept_in_the_project(
     again.commands.file.open(other)
     bench.qtbot.waitUntil(lambda: again.document.path == other)
     assert not again.media.mirrored
+
+
+@pytest.mark.usefixtures("qapp")
+def test_landmarks_do_not_hide_a_small_face() -> None:
+    """The points of an eye's control, painted over eyes that are 40 and 400 pixels apart."""
+    places = np.full((LANDMARKS, 2), np.nan)
+    places[[33, 263, 386, 374]] = (0.3, 0.4), (0.7, 0.4), (0.7, 0.4), (0.7, 0.4)
+    painted = []
+    for side in (100, 1000):
+        image = QImage(side, side, QImage.Format.Format_Grayscale8)
+        image.fill(0)
+        painter = QPainter(image)
+        paint_landmarks(painter, places, QRectF(0, 0, side, side))
+        painter.end()
+        painted.append(int((np.frombuffer(image.constBits(), np.uint8) > 64).sum()))
+    small, large = painted
+    assert 0 < small <= 6
+    assert 20 < large < 60
 
 
 def test_outside_of_the_film_it_says_where_it_is(bench: Bench, devices: list[FakeOutput]) -> None:
