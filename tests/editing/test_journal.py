@@ -22,7 +22,7 @@ from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files import journal as journal_module
 from faceedit_app.editing.files.fingerprint import KnownFile, fingerprint
 from faceedit_app.editing.files.journal import Journal
-from faceedit_app.editing.files.pending import pending_journals
+from faceedit_app.editing.files.pending import is_open_elsewhere, pending_journals
 from faceedit_app.editing.steps import EditState
 
 DEMO = shipped("assets/demo_take.csv")
@@ -148,7 +148,17 @@ def test_running_session_is_left_alone(tmp_path: Path) -> None:
     journal.record(STATES[0])
     assert pending_journals(tmp_path) == []
     assert journal.path.exists()
-    journal.close()
+    assert not is_open_elsewhere(journal, tmp_path)
+    link = tmp_path / "link.csv"
+    link.symlink_to(DEMO)
+    second, other = (Journal(path, folder=tmp_path) for path in (link, tmp_path / "other.csv"))
+    assert is_open_elsewhere(journal, tmp_path)
+    assert is_open_elsewhere(second, tmp_path)
+    assert not is_open_elsewhere(other, tmp_path)
+    crash(second)
+    assert not is_open_elsewhere(journal, tmp_path), "only a running session has it open"
+    for one in (journal, other):
+        one.close()
 
 
 def test_foreign_files_are_no_journals(tmp_path: Path) -> None:

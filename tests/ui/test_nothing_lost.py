@@ -222,6 +222,12 @@ def test_a_project_that_another_window_saved_is_not_replaced_silently(
     assert len(asked) == (2 if answer is Changed.CANCEL else 1)
 
 
+def test_a_second_window_on_the_take_says_so(bench: Bench) -> None:
+    first, second = bench.editing(), bench.editing()
+    assert "also open in another window" not in first.banner.text.text()
+    assert "take.csv is also open in another window" in second.banner.text.text()
+
+
 @pytest.mark.parametrize("overwrites", [True, False])
 def test_a_take_that_another_program_changed_is_not_replaced_silently(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, overwrites: bool

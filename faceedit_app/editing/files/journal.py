@@ -44,8 +44,8 @@ def journal_folder() -> Path:
 class Journal:
     """The journal of one session.
 
-    `note` is empty while all is well, else one line for the user. Connect it with
-    `session.stepped.connect(journal.record)`.
+    `take` is its take. `note` is empty while all is well, else one line for the user. Connect it
+    with `session.stepped.connect(journal.record)`.
 
     Args:
         take: the open take.
@@ -67,7 +67,7 @@ class Journal:
     ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{SUFFIX}"
-        self._take, self._project, self._fps = take.absolute(), project, fps
+        self.take, self._project, self._fps = take.absolute(), project, fps
         self._print, self._exported_over = opened, exported_over
         if opened is None:
             with contextlib.suppress(FileError):
@@ -203,7 +203,7 @@ class Journal:
             self.path.unlink()
 
     def _head(self) -> dict[str, Any]:
-        head: dict[str, Any] = {"version": VERSION, "take": str(self._take)}
+        head: dict[str, Any] = {"version": VERSION, "take": str(self.take)}
         if self._project is not None:
             head["project"] = str(self._project.path.absolute())
             if self._project.mark is not None:

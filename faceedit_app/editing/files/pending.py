@@ -85,6 +85,29 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
     return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
 
 
+def is_open_elsewhere(own: journal.Journal, folder: Path | None = None) -> bool:
+    """Whether another running session has the take of this one, as far as its journal can be read.
+
+    Args:
+        own: the journal of this session.
+    """
+    for path in (folder or journal.journal_folder()).glob(f"*{journal.SUFFIX}"):
+        if path == own.path:
+            continue
+        try:
+            if not path.is_file():
+                continue
+            with path.open("r+b") as file:
+                if try_lock(file.fileno()):
+                    continue  # its session has ended
+                head = Fields(parse(file.readline(MOST_BYTES)))
+            if os.path.realpath(head.path("take")) == os.path.realpath(own.take):
+                return True
+        except (OSError, ValueError):
+            continue
+    return False
+
+
 def _is_repeated(pending: Pending, newer: Sequence[Pending]) -> bool:
     """Whether a newer session has the same edits: it recovered them, and crashed as well.
 

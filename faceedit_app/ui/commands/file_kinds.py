@@ -58,4 +58,4 @@ def characters() -> str:
 
 def like(ending: str) -> str:
     """Files with one ending; "" = folders."""
-    return f"*{ending} (*{ending});;{_ALL}"
+    return f"{ending.removeprefix('.').upper() or 'Folders'} (*{ending});;{_ALL}"

@@ -42,7 +42,7 @@ from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
 _SHARES = (760, 520)  # of the window's width at first: curves, face
-_SIDE = (560, 196)  # of the height beside the curves: face, lists with five rows
+_SIDE = (560, 204)  # of the height beside the curves: face, lists with five rows
 _STACKED = (630, 100)  # the same, with the film above or below the face, or on a low screen
 _LOW = 600  # pixels; 1920 x 1080 at twice the size have 540
 

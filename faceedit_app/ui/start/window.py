@@ -281,6 +281,11 @@ class MainWindow(WindowBase):
         self.commands.take.follow(session.take, session.state.media)
         if not self.commands.fix.calibration.offer_neutral():
             self.commands.file.character.offer(session.take.path)
+        if self.document.is_open_elsewhere:
+            self.banner.show_message(
+                f"{session.take.path.name} is also open in another window. "
+                "Each window has its own edits: close the one that you do not need"
+            )
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem)
 
@@ -367,6 +372,7 @@ class MainWindow(WindowBase):
             event.ignore()
             return
         if self.editor is not None:
+            self.editor.side.unfold()
             self._preferences.save_layout(self, self.editor.panes, self.editor.side)
         self.leave()
         super().closeEvent(event)

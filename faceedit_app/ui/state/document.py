@@ -118,6 +118,13 @@ class Document(QObject):
         """Why steps cannot be recorded; empty if they can."""
         return self._journal.note if self._journal is not None else ""
 
+    @property
+    def is_open_elsewhere(self) -> bool:
+        """Whether another window has the same take open now."""
+        from faceedit_app.editing.files.pending import is_open_elsewhere
+
+        return self._journal is not None and is_open_elsewhere(self._journal)
+
     def close_journal(self) -> None:
         """Discard the journal: everything is saved, or discarded by the user."""
         if self._journal is not None:
