@@ -31,6 +31,7 @@ class FaceRenderer:
 
     Attributes:
         rig: the character.
+        fine: whether small smooth images get more samples, which takes longer.
 
     Raises:
         Unavailable: this computer offers no OpenGL.
@@ -44,6 +45,7 @@ class FaceRenderer:
         background: tuple[float, float, float] = SLATE,
     ) -> None:
         self.rig = rig
+        self.fine = True
         self._studio: Any = None
         self._image: Pixels = _image(width, height)
         backend = contexts.choose_backend()
@@ -86,7 +88,8 @@ class FaceRenderer:
         from faceedit_app.render.studio import SAMPLES
 
         height, width = self._image.shape[:2]
-        self._studio.begin(vertices, camera, width, height, SAMPLES if smooth else 0, tint)
+        samples = SAMPLES if smooth else 0
+        self._studio.begin(vertices, camera, width, height, samples, tint, self.fine)
 
     def finish(self) -> Pixels:
         """Wait for the image that was begun last, at its size.

@@ -29,6 +29,7 @@ from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import Kept, Target, Targets, View
 
 SAMPLES = 4
+_FINE = 800_000  # pixels, up to which fine pictures are drawn at twice their width and height
 _DEPTH_SIZE = 320  # pixels of the depth images for the baked shade
 _UPSIDE_DOWN = np.diag([1.0, -1.0, 1.0, 1.0])  # so that the top row is read first
 
@@ -80,7 +81,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._model = Model(rig, vertex_looks(rig, self.shade))
         model = self._model
         self._stage = Stage(PortraitCamera(), model.still, model.moving, model.backdrop)
-        self._targets = Targets()
+        self._targets, self._fine = Targets(), Targets()
         self._kept = Kept(self._draw_still)
         self._drawn: Target
         self._looked: View | None = None  # the last picture's, if it was not tinted
@@ -94,6 +95,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         height: int,
         samples: int,
         tint: Floats | None = None,
+        fine: bool = False,
     ) -> None:
         """Start drawing `vertices`; returns before the graphics card is done.
 
@@ -103,6 +105,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
             width, height: pixels.
             samples: samples per pixel; 0 means one, with a faster light.
             tint: (V,) in 0..1; None = no tint.
+            fine: draw it at twice its width and height, if it has samples and is small.
         """
         self._platform.make_current()
         model = self._model
@@ -110,25 +113,31 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
             self._kept.forget()
             self._looked = self._prepared = None
         model.tint(tint)
-        view = View(camera, (width, height))
-        target = self._targets.of(view.size, samples)
+        view = shown = View(camera, (width, height))
+        if fine and samples and 4 * width * height <= _FINE:
+            # In a small picture, lashes and brows are narrower than its samples are apart.
+            shown = View(camera, (2 * width, 2 * height))
+        target = self._targets.of(shown.size, samples)
         # While the camera turns, keeping the still parts would cost more than it saves.
         if tint is None and (samples or view == self._looked):
             if samples or view != self._prepared:
-                self._kept.copy_to(target, view)
-            self._draw(target, view, model.moving, upon=True)
+                self._kept.copy_to(target, shown)
+            self._draw(target, shown, model.moving, upon=True)
         else:
-            self._draw(target, view, model.still, model.moving, model.backdrop)
+            self._draw(target, shown, model.still, model.moving, model.backdrop)
         self._looked, self._prepared = view if tint is None else None, None
         self._drawn = target
 
     def finish(self, out: Pixels) -> None:
         """Wait for the picture, and write it to `out` (height, width, 4), BGRA, top row first."""
         self._platform.make_current()
-        target = self._drawn
-        if target.samples:
-            target = self._targets.of(target.size, 0)
+        target, size = self._drawn, (out.shape[1], out.shape[0])
+        if target.size != size:
+            target = self._fine.of(target.size, 0)
             self._drawn.copy_to(target)
+        if target is not self._drawn or target.samples:
+            drawn, target = target, self._targets.of(size, 0)
+            drawn.copy_to(target)
         target.read_colors(out)  # the shaders write blue first
 
     def prepare(self) -> None:
@@ -154,6 +163,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         """
         self._platform.make_current()
         self._targets.delete()
+        self._fine.delete()
         self._kept.delete()
         self._model.delete()
         self._renderer.delete()

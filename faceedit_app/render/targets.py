@@ -46,12 +46,16 @@ class Target:
         GL.glViewport(0, 0, *self.size)
 
     def copy_to(self, other: Target, depths: bool = False) -> None:
-        """Copy the colours, with samples resolved, and optionally the depths."""
+        """Copy the colours, with samples resolved, and optionally the depths.
+
+        A target without samples may be copied to one of half its size, without the depths: a pixel
+        is then the mean of four.
+        """
         GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._name)
         GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, other._name)
-        rectangle = (0, 0, *self.size)
         what = GL.GL_COLOR_BUFFER_BIT | (GL.GL_DEPTH_BUFFER_BIT if depths else 0)
-        GL.glBlitFramebuffer(*rectangle, *rectangle, what, GL.GL_NEAREST)
+        how = GL.GL_NEAREST if other.size == self.size else GL.GL_LINEAR
+        GL.glBlitFramebuffer(0, 0, *self.size, 0, 0, *other.size, what, how)
 
     def read_colors(self, out: Pixels) -> None:
         """Wait for the picture, one sample per pixel, and write it to `out` (height, width, 4)."""

@@ -144,6 +144,22 @@ def test_the_hairline_is_soft(renderer: FaceRenderer, rig: Rig) -> None:
     assert rise.max() < 0.22 * (around.max() - around.min()), "over several pixels"
 
 
+def test_brows_and_lashes_of_a_small_picture_at_rest_look_as_in_a_large_one(
+    renderer: FaceRenderer, rig: Rig
+) -> None:
+    camera, larger = default_camera(rig), 4
+    renderer.resize(larger * SIZE, larger * SIZE)
+    large = picture(renderer, rig, camera).reshape(SIZE, larger, SIZE, larger, 3).mean((1, 3))
+    renderer.resize(SIZE, SIZE)
+    brows = camera.project(rig.neutral[vertices_of(rig, "brows", "lashes")], SIZE, SIZE)
+    (left, top), (right, low) = (np.array(edge, int)[:2] for edge in (brows.min(0), brows.max(0)))
+    off = {}
+    for renderer.fine in (False, True):
+        small = picture(renderer, rig, camera)
+        off[renderer.fine] = np.abs(small - large)[top:low, left:right].mean()
+    assert off[True] < 0.6 * off[False]
+
+
 def test_what_moves_is_few_vertices(rig: Rig) -> None:
     """Their normals are computed, and they are uploaded, for each picture."""
     moving = np.any(rig.deltas, axis=(0, 2))

@@ -133,15 +133,17 @@ class FacePicture:
         """Discard a picture that was begun, because it is out of date."""
         self._begun = False
 
-    def draw(self, size: Size, smooth: bool) -> None:
+    def draw(self, size: Size, smooth: bool, fine: bool = True) -> None:
         """Draw `image`. Drivers and PyOpenGL raise all kinds of errors.
 
         Args:
             size: width and height.
             smooth: with smooth edges, which is slower.
+            fine: with more samples in a small picture, which is slower still.
         """
         if self._renderer is None or self._rig is None:
             return
+        self._renderer.fine = fine
         self._pixels = self._faces(self._renderer, self._rig, size, smooth)
         self.image = _image_of(self._pixels)
 

@@ -47,6 +47,11 @@ class Quality:
             return self._tries
         return min(self._recent) <= self._patience
 
+    @property
+    def is_hurried(self) -> bool:
+        """Whether smooth pictures have to be ready for the next frame of playback."""
+        return self._tries
+
     def forget(self) -> None:
         """The size has changed: how long a smooth picture takes is not known."""
         self._recent.clear()

@@ -232,9 +232,9 @@ class Viewport(QWidget):
     def _draw(self) -> None:
         if not self.can_draw:
             return
-        began = time.perf_counter()
+        began, fine = time.perf_counter(), not self.quality.is_hurried
         try:
-            self._picture.draw(self._picture_size(), self._smooth)
+            self._picture.draw(self._picture_size(), self._smooth, fine)
         except Exception as error:  # drivers and PyOpenGL raise all kinds
             logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()
