@@ -138,8 +138,12 @@ def _kriging(trusted: bytes, first: int, last: int) -> tuple[Doubles, Doubles]:
 
 def _runs(where: Bools) -> list[tuple[int, int]]:
     """The runs of frames (M,): the first of each, and the one after its last."""
-    ends = np.flatnonzero(np.diff(where, prepend=False, append=False))
-    return [(int(first), int(last)) for first, last in ends.reshape(-1, 2)]
+    ends: list[int] = (np.flatnonzero(where[1:] != where[:-1]) + 1).tolist()
+    if where[0]:
+        ends.insert(0, 0)
+    if where[-1]:
+        ends.append(len(where))
+    return list(zip(ends[::2], ends[1::2], strict=True))
 
 
 def _most_of_each_run(values: Doubles, trusted: Bools) -> Doubles:
@@ -194,8 +198,8 @@ class Completing:
         grid = resampling.to_grid(np.concatenate(signals, axis=1, dtype=np.float64))
         size = curves.shape[1]
         trusted = grid[:, 2 * size] < FIRM
-        holds = np.split(grid[:, 2 * size + 1 :], len(patterns), axis=1)
-        for known, where, firm in zip(patterns, rows, holds, strict=True):
+        for i, (known, where) in enumerate(zip(patterns, rows, strict=True), start=2):
+            firm = grid[:, i * size + 1 : (i + 1) * size + 1]
             firm[firm < ROUNDING] = 0.0
             on_grid = grid[:, :size], grid[:, size : 2 * size]
             away = self._away(ask(self._expectation, known, *on_grid, firm, trusted), known)

@@ -89,14 +89,8 @@ def exchange(residual: Doubles, share: Doubles) -> Doubles:
     """
     # Poses that are edited themselves say little about what is around them.
     near, trust, rows = _resemblance(len(residual)), share**2, residual.T
-    moved = np.flatnonzero(share != 1.0)
-    if len(moved) == len(share):
-        moved_rows = rows
-    else:
-        near, moved_rows = near[:, moved], rows[:, moved]
-    around = (rows * trust) @ near / (trust @ near + NOTHING)
-    added = np.zeros(rows.shape)
-    added[:, moved] = (1.0 - share[moved]) * (around - moved_rows)
+    around = (rows * trust) @ near / (near @ trust + NOTHING)
+    added: Doubles = (1.0 - share) * (around - rows)
     return added.T
 
 

@@ -124,7 +124,7 @@ class Header(QWidget):
         self.value = ""
         self.note = self.share = ""
         self._active = self._chosen = False
-        self._measured: tuple[tuple[int, int, str], Layout] | None = None
+        self._measured: tuple[tuple[int, int, QFont], Layout] | None = None
         self.setFixedWidth(style.HEADER_WIDTH - style.AXIS_WIDTH)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
@@ -167,7 +167,7 @@ class Header(QWidget):
 
     def _layout(self) -> Layout:
         """Computed once for each size and font."""
-        key = self.width(), self.height(), self.font().key()
+        key = self.width(), self.height(), self.font()
         if self._measured is None or self._measured[0] != key:
             self._measured = key, Layout.of(self, self.control.label)
         return self._measured[1]
