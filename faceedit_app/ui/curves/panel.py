@@ -78,10 +78,13 @@ class CurvesPanel(QWidget):
         self.legend, self.ruler = Legend(), Ruler(timeline)
         self.range_bar = RangeBar(timeline, self._edges)
         self.fields = RangeFields(timeline, self._edges)
+        self._pages = QStackedWidget(self)
+        self._grid = self._build()
         self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
         self.headers = [Header(control) for control in CONTROLS]
         self.group_head = GroupHead()
-        self._rows = Rows(self.headers, self.plots, self.group_head)
+        self._rows = Rows(self.headers, self.plots, self.group_head, self._grid.parentWidget())
+        self._grid.addWidget(self._rows, 3, 0, 1, 3)
         self.shown = ShownCurves(self._rows, self.group_head, self)
         self.hand = FaceHand(self.plots, self._mouse, self.shown.reveal)
         self._axes = ValueAxes(self.plots)
@@ -95,26 +98,28 @@ class CurvesPanel(QWidget):
             timeline,
             self.tools,
         )
-        self._pages = QStackedWidget()
         strips: tuple[pg.GraphicsView, ...] = (self.ruler, self.range_bar, *self.plots)
         OnePainting(self, [strip.scene() for strip in strips])
-        self._build()
         self._connect()
         self.set_session(None)
 
-    def _build(self) -> None:
+    def _build(self) -> QGridLayout:
+        """Lay out all but the rows, from the outside in: what has a place is not moved again."""
         self.setObjectName("curves")
         self.setAccessibleName("Curves")
         self.setAutoFillBackground(True)
         colors = self.palette()
         colors.setColor(QPalette.ColorRole.Window, style.color(style.BACKGROUND))
         self.setPalette(colors)
-        empty = QLabel(_EMPTY)
-        empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        empty.setWordWrap(True)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._pages)
+        empty = QLabel(_EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         empty.setStyleSheet(f"color: {style.MUTED}; font-size: 15px;")
         content = QWidget()
-        grid = self._grid = QGridLayout(content)
+        for page in (empty, content):
+            self._pages.addWidget(page)
+        grid = QGridLayout(content)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setHorizontalSpacing(0)
         grid.setVerticalSpacing(style.ROW_GAP)
@@ -122,15 +127,10 @@ class CurvesPanel(QWidget):
         grid.addWidget(self.fields, 1, 0, 2, 1)
         grid.addWidget(self.ruler, 1, 1)
         grid.addWidget(self.range_bar, 2, 1)
-        grid.addWidget(self._rows, 3, 0, 1, 3)
         grid.setRowStretch(3, 1)
         grid.setColumnStretch(1, 1)
         grid.setColumnMinimumWidth(2, style.RIGHT_MARGIN)
-        for page in (empty, content):
-            self._pages.addWidget(page)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._pages)
+        return grid
 
     def _connect(self) -> None:
         for header, plot in zip(self.headers, self.plots, strict=True):

@@ -24,14 +24,19 @@ class Rows(QScrollArea):
     """
 
     def __init__(
-        self, headers: Sequence[Header], plots: Sequence[CurvePlot], head: GroupHead
+        self,
+        headers: Sequence[Header],
+        plots: Sequence[CurvePlot],
+        head: GroupHead,
+        parent: QWidget | None = None,
     ) -> None:
-        super().__init__()
+        super().__init__(parent)
         # Optional ones last; the head of the group is the row between.
         pairs = sorted(zip(headers, plots, strict=True), key=lambda pair: pair[1].control.optional)
         main = sum(not plot.control.optional for plot in plots)
         self._pairs = {row + (row >= main): pair for row, pair in enumerate(pairs)}
         content = QWidget()
+        self.setWidget(content)
         self._grid = QGridLayout(content)
         self._grid.setHorizontalSpacing(0)
         self._grid.setVerticalSpacing(style.ROW_GAP)
@@ -45,7 +50,6 @@ class Rows(QScrollArea):
         stops.insert(main, head)
         for one, following in pairwise(stops):
             QWidget.setTabOrder(one, following)
-        self.setWidget(content)
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)

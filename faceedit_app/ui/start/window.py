@@ -188,6 +188,7 @@ class MainWindow(WindowBase):
             self.tools,
             self.media,
             self.sound_player,
+            self._pages,
         )
         self._pages.addWidget(page)
         self._preferences.restore_panes(page.panes, page.side)
