@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig
 
+from faceedit_app.characters import making
 from faceedit_app.characters.making import Template, make
+from faceedit_app.characters.registration import Fitted
 from faceedit_app.characters.scans import Scan
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.rig import Rig
@@ -46,8 +48,8 @@ def test_the_seam_runs_from_corner_to_corner(template: Template) -> None:
     assert (opened[upper, 1] - opened[lower, 1])[middle].min() > 15
 
 
-# Each is fitted to the end, which takes seconds; `test_making.py` has one with a jaw that is a
-# little open.
+# As if the template were fitted exactly, which takes seconds; `test_making.py` fits it to a head
+# whose jaw is a little open.
 @pytest.mark.parametrize(
     "shapes",
     [
@@ -56,14 +58,17 @@ def test_the_seam_runs_from_corner_to_corner(template: Template) -> None:
         {"mouthUpperUpLeft": 0.8, "mouthLowerDownRight": 0.5},  # open, but not in the middle
     ],
 )
-def test_open_lips_meet_from_corner_to_corner(template: Template, shapes: dict[str, float]) -> None:
+def test_open_lips_meet_from_corner_to_corner(
+    template: Template, shapes: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
     index = template.rig.channel_index
     opened = template.vertices + sum(w * template.moves[index[c]] for c, w in shapes.items())
+    monkeypatch.setattr(making, "register", lambda *_: Fitted(opened, np.eye(4)))
     scan = Scan(opened, np.asarray(template.faces, np.int32), None)
     points = {name: opened[vertex] for name, vertex in template.points.items()}
     made = make(template, scan, template.landmarks(points), "Open")
     assert made.parted > 1.0
-    assert _seam_gaps(template, made.skin).max() > 1.0  # the fit keeps them open
+    assert _seam_gaps(template, made.skin).max() > 1.0
     skin = _skin(template, made.rig)
     gaps = _seam_gaps(template, skin)
     assert (np.abs(gaps) < 0.5).all()
@@ -71,7 +76,7 @@ def test_open_lips_meet_from_corner_to_corner(template: Template, shapes: dict[s
     heights = (skin - template.vertices)[upper, 1] - (skin - template.vertices)[lower, 1]
     assert heights.min() > -0.5, "no lip passes the other"
     still = np.linalg.norm(template.vertices - template.vertices[upper[0]], axis=1) > 120
-    np.testing.assert_allclose(skin[still], made.skin[still], atol=0.05)
+    np.testing.assert_allclose(skin[still], made.skin[still], atol=0.1)  # mm
 
 
 def test_closed_lips_stay_as_they_were_scanned(template: Template) -> None:
