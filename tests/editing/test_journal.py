@@ -95,7 +95,8 @@ def test_file_cut_off_anywhere_gives_the_last_whole_gesture(tmp_path: Path) -> N
     path = crash(journal)
     content = path.read_bytes()
     ends = [i + 1 for i, byte in enumerate(content) if byte == ord("\n")]
-    for length in range(len(content) + 1):
+    near_ends = {end + n for end in ends for n in (-2, -1, 0, 1)}
+    for length in sorted({*range(0, len(content), 7), *near_ends} - {len(content) + 1}):
         path.write_bytes(content[:length])
         whole = sum(end <= length for end in ends) - 1  # less the head
         pending = pending_journals(tmp_path)

@@ -223,10 +223,11 @@ LIVELINK = sorted((SHARED / "data" / "livelink").glob("*.csv"))
 
 @pytest.mark.skipif(not LIVELINK, reason="no real takes here; FACEEDIT_SHARED names their folder")
 def test_real_takes_show_lips_that_nearly_meet() -> None:
-    found = [find_problems(open_session(path, shipped_rig())) for path in LIVELINK]
+    sessions = [open_session(path, shipped_rig()) for path in LIVELINK]
+    found = [find_problems(session) for session in sessions]
     with_lips = [any(p.kind is Kind.LIPS for p in problems) for problems in found]
     assert sum(with_lips) >= len(LIVELINK) / 2
-    seconds = sum(open_session(path, shipped_rig()).take.clip.duration for path in LIVELINK)
+    seconds = sum(session.take.clip.duration for session in sessions)
     count = sum(p.kind is Kind.LIPS for problems in found for p in problems)
     assert count < seconds / 10, "speech closes the lips once a second: few of them are missed"
 

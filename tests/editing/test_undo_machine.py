@@ -326,7 +326,7 @@ def test_undo_then_redo_of_200_random_actions_exports_the_same_bytes(
     run_state_machine_as_test(
         machine,
         settings=settings(
-            max_examples=3 * TIMES,
+            max_examples=2 * TIMES,
             stateful_step_count=ACTIONS,
             deadline=None,
             derandomize=True,

@@ -13,7 +13,7 @@ from faceedit_app.lab.attacks.hands import dialogs_cancelled
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.ui.start.window import MainWindow
 
-STEPS = 100 * TIMES
+STEPS = 60 * TIMES
 
 
 def exported(window: MainWindow) -> bytes:
