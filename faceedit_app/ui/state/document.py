@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
+from faceedit_app.core.atomic import is_same_file
 from faceedit_app.core.errors import FaceEditError
 
 if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
@@ -195,7 +196,6 @@ class Document(QObject):
 
         True only for the open take and its project; a file that is gone has not changed.
         """
-        from faceedit_app.core.atomic import is_same_file
         from faceedit_app.editing.files.fingerprint import KnownFile
 
         session = self.session
