@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -34,11 +35,16 @@ _LEFT, _NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
 def long_take(frames: int, rate: float = RATE) -> Take:
     """The demo take, repeated to a number of frames."""
-    demo = open_take(shipped(DEMO_TAKE))
+    demo = _demo()
     rows = np.arange(frames) % len(demo.clip)
     times = np.arange(frames) / rate
     clip = Clip(demo.clip.weights[rows], demo.clip.channels, times, rate)
     return Take(Path(f"{frames}.csv"), demo.format, clip, (), (), demo.source)
+
+
+@lru_cache
+def _demo() -> Take:
+    return open_take(shipped(DEMO_TAKE))
 
 
 class Desk:
@@ -47,10 +53,13 @@ class Desk:
     Args:
         folder: for the window's settings, to leave the user's alone.
         rig, engine: the character and the networks.
+        rest: share of the usual time in which it comes to rest between measurements.
     """
 
-    def __init__(self, app: QApplication, folder: Path, rig: Rig, engine: Engine) -> None:
-        self.app, self.rig, self.engine = app, rig, engine
+    def __init__(
+        self, app: QApplication, folder: Path, rig: Rig, engine: Engine, rest: float = 1.0
+    ) -> None:
+        self.app, self.rig, self.engine, self._rest = app, rig, engine, rest
         settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
         self.window = MainWindow(Preferences(settings))
         self.window.document.engine = engine
@@ -91,7 +100,7 @@ class Desk:
 
     def settle(self, seconds: float = 0.25) -> None:
         """Wait until everything is computed and painted, and the smooth picture drawn."""
-        until = time.perf_counter() + seconds
+        until = time.perf_counter() + self._rest * seconds
         while time.perf_counter() < until or self.editor.solving.is_busy:
             self.app.processEvents()
 

@@ -55,9 +55,10 @@ class BenchPlan:
     seconds: float = 5.0  # of playback
     starts: int = 5
     compared: bool = True
+    rest: float = 1.0  # share of the time in which the window comes to rest between measurements
 
 
-QUICK = BenchPlan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False)
+QUICK = BenchPlan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False, 0.1)
 
 
 def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
@@ -75,7 +76,7 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
     found["start_s"], found["peak_mb"] = _starts(plan)
     app = application()
     with tempfile.TemporaryDirectory() as folder, collecting(app):
-        desk = Desk(app, Path(folder), rig, engine)
+        desk = Desk(app, Path(folder), rig, engine, plan.rest)
         say("dragging")
         found |= window.drag(desk, plan.repetitions)
         dense = window.drag_dense(desk, max(plan.repetitions // 2, 2))
