@@ -78,6 +78,7 @@ def test_the_report_has_all_that_was_asked_for(found: dict[str, Any]) -> None:
     assert "202" in found["peak_mb"]
     assert found["local_edit_ratio_200k"] > 0
     assert {"processor", "instructions", "cores", "python", "packages"} <= set(found["machine"])
+    assert found["machine"]["drawn_by"]
     assert found["drag_dense"]["vertices"] >= 15_000
     assert found["dense_ratio"] > 0
     assert set(found["in_limits"]) == {"cpu_limit", "gl_limit"}

@@ -98,6 +98,7 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
     local = [found["lengths"][str(n)]["local"]["median"] for n in plan.lengths]
     found["local_edit_ratio_200k"] = local[-1] / local[0]
     say("comparing")
+    found["machine"]["drawn_by"] = references.drawn_by()
     found["references"], found["ratio"] = _compared(plan, rig, engine, found, answered, say)
     found["in_limits"] = {name: in_limit(found, name) for name in LIMITS}
     found["avx2"] = _with_narrower_kernels(plan, say)
@@ -222,7 +223,7 @@ def text(found: dict[str, Any]) -> str:
     lines = [
         f"{found['machine']['processor']} with {found['machine']['instructions']}, "
         f"{found['machine']['cores']} cores, "
-        f"load {found['machine']['load'] or 0:.1f}",
+        f"load {found['machine']['load'] or 0:.1f}, drawn by {found['machine']['drawn_by']}",
         "",
         f"drag, 202 frames     {drag['median']:7.1f} ms   95 %: {drag['p95']:.1f}"
         f"   best: {drag['best']:.1f}   of the processors: {drag['processors']:.1f}",
