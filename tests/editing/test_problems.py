@@ -12,10 +12,12 @@ from support.leaky import leaky_rig, speech
 from support.places import SHARED
 from support.sessions import demo_take, session_by_rig
 
+from faceedit_app.characters.closure import SHUT, Gaps
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help.on_character import close_between
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
 from faceedit_app.editing.opening import open_session
 
@@ -243,3 +245,16 @@ def test_gaps_on_the_shown_character_are_found_and_the_proposals_close_them() ->
     after = [problem for problem in find_problems(session) if problem.kind is Kind.CHARACTER]
     assert len(after) < len(found) / 4
     assert np.median(np.abs(session.achieved - ours)) < 0.1
+
+
+def test_beside_lips_that_closing_shuts_there_is_no_problem_that_it_has_made() -> None:
+    """Ours was open there, and is drawn to where it counts as shut."""
+    weights = np.zeros((90, len(ARKIT_CHANNELS)), np.float32)
+    weights[:, ARKIT_INDEX["jawOpen"]] = 0.1
+    session = session_by_rig(Clip(weights, ARKIT_CHANNELS, np.arange(90) / 30.0, 30.0))
+    session.use_character(leaky_rig())
+    assert Kind.CHARACTER not in {problem.kind for problem in find_problems(session)}
+    session.add(close_between(0.0, 3.0))
+    assert Gaps.of(session.rig).measure(session.weights)[45, 0] < SHUT[0]
+    assert Gaps.of(session.shown_rig).measure(session.weights)[45, 0] > SHUT[0]
+    assert Kind.CHARACTER not in {problem.kind for problem in find_problems(session)}

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Gaps
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -58,16 +58,20 @@ def close_between(
     return Edit(controls, Op.SCALE, start, end, falloff, 1.0, name=NAME)
 
 
-def gaps_on_character(clip: Clip, weights: Floats, ours: Rig, theirs: Rig) -> Iterator[Gap]:
+def gaps_on_character(
+    clip: Clip, weights: Floats, ours: Rig, theirs: Rig, nearer: Doubles | float = 0.0
+) -> Iterator[Gap]:
     """The gaps of a clip on the user's character.
 
     Args:
         clip: its times are used, not its weights.
         weights: (T, 52) in ARKit order.
         ours, theirs: FaceEdit's own character, and the user's.
+        nearer: (T, 3) mm by which ours is nearer than was asked for. Beside lips that are closed on
+            theirs, closing fades: ours is drawn along there, but nobody asked for it to be shut.
     """
     widths = Gaps.of(theirs).measure(weights)
-    are_open = (Gaps.of(ours).measure(weights) < SHUT) & (widths > SHUT)
+    are_open = (Gaps.of(ours).measure(weights) + nearer < SHUT) & (widths > SHUT)
     for columns, shortest in ((ARE_LIPS, _SHORTEST), (~ARE_LIPS, 0.0)):
         mine = are_open & columns
         frames = np.flatnonzero(mine.any(axis=1))

@@ -8,6 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from faceedit_app.characters.closure import CLOSING
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS, control_named
@@ -90,7 +91,8 @@ def find_problems(session: EditSession) -> list[Problem]:
     sure = confidence_of(take)
     if sure is not None:
         sure = session.moved(sure.astype(np.float32)).astype(np.float64)
-    return problems_of(take.clip, *shown, rigs, closures_of(session), lost, sure, session.edits)
+    spoken, edits = closures_of(session), session.edits
+    return problems_of(take.clip, *shown, rigs, spoken, lost, sure, edits, session.asked)
 
 
 def problems_of(
@@ -102,6 +104,7 @@ def problems_of(
     lost: Sequence[float] = (),
     confidence: Doubles | None = None,
     edits: Sequence[Edit] = (),
+    asked: Floats | None = None,
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -114,6 +117,7 @@ def problems_of(
         lost: the rows that a fill can give a face to, see `LostRows.positions`.
         confidence: (T,) of the tracker, if it is known.
         edits: where they fill, gaps are answered, and it does not matter how sure the tracker was.
+        asked: (T, C) mm, what the edits ask for; None = what was measured.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
     main = measured[:, [CONTROL_INDEX[control] for control in MAIN_CONTROLS]]
@@ -126,7 +130,10 @@ def problems_of(
         *_unsure(clip, confidence, edits),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
-        found += map(_on_character, gaps_on_character(clip, weights, *rigs))
+        rows = [CONTROL_INDEX[control] for control in CLOSING]
+        nearer = np.maximum(measured if asked is None else asked, measured)[:, rows]
+        gaps = gaps_on_character(clip, weights, *rigs, nearer - measured[:, rows])
+        found += map(_on_character, gaps)
     return sorted(found, key=lambda problem: (problem.time, problem.kind))
 
 

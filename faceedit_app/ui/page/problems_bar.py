@@ -119,7 +119,7 @@ class ProblemsBar(QWidget):
         weights, controls = session.weights.copy(), session.achieved.copy()
         rigs, spoken, take = (session.rig, session.shown_rig), closures_of(session), session.take
         lost = take.lost_rows.positions if take.lost_rows is not None else ()
-        edits = session.edits
+        edits, asked = session.edits, session.asked.copy()
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -132,7 +132,7 @@ class ProblemsBar(QWidget):
 
         def work() -> list[Problem]:
             sure = confidence_of(take)
-            return problems_of(clip, weights, controls, rigs, spoken, lost, sure, edits)
+            return problems_of(clip, weights, controls, rigs, spoken, lost, sure, edits, asked)
 
         self._background.run(work, done, failed)
 
