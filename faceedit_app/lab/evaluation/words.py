@@ -84,9 +84,13 @@ class Closing:
 
 @dataclass(frozen=True)
 class WordFigures:
-    """All that is measured."""
+    """All that is measured.
 
-    takes: int
+    Attributes:
+        takes: the names of the takes.
+    """
+
+    takes: tuple[str, ...]
     alignment: tuple[Alignment, ...]
     closing: tuple[Closing, ...]
 
@@ -124,7 +128,7 @@ def evaluate_words(takes: Sequence[Path], words: Path, engine: Engine) -> WordFi
     if not known:
         raise FaceEditError("evaluate-words needs takes")
     return WordFigures(
-        len(known),
+        tuple(one.take.path.stem for one in known),
         tuple(_aligned(known, noise) for noise in NOISES),
         (_closed(known, engine, False), _closed(known, engine, True)),
     )
@@ -262,7 +266,8 @@ def report(figures: WordFigures) -> str:
     lines = [
         "# Words and closures",
         "",
-        f"`faceedit evaluate-words` on {figures.takes} takes with published word times.",
+        "`faceedit evaluate-words` on takes with published word times: "
+        f"{', '.join(figures.takes)}.",
         "",
         "## Alignment",
         "",
