@@ -18,13 +18,17 @@ from faceedit_app.words.transcript import Transcript, Word
 ARROW = "-->"  # between the times of a line
 _PAUSE = 0.4  # seconds between words that begin a new subtitle
 _WIDEST = 42  # characters of a subtitle
-_MARK = "WEBVTT"
+_SPEAKER = re.compile(r"^-?\s*[A-Z][A-Z0-9 .'-]{1,30}:\s+(?=.*[a-z])")  # BOB: before what he says
+_MARK = "WEBVTT"  # left out by some programs, which then leave out the hours as well
+_HOURS = re.compile(r"\d:\d\d:\d\d[,.:]\d+\s*" + ARROW)
 _BLOCKS = re.compile(r"^(?:NOTE|STYLE|REGION)\b.*?(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
 _TAGS = re.compile(r"<[^<>\n]*>")  # also times of single words
 
 
 def read(path: Path, content: bytes) -> Imported:
-    """The lines of subtitles, by time; what a line repeats of the one before it is left out.
+    """The lines of subtitles, by time, without the names of speakers in capitals before them.
+
+    What a line repeats of the one before it is left out.
 
     Raises:
         FileError: it is not subtitles.
@@ -33,7 +37,8 @@ def read(path: Path, content: bytes) -> Imported:
     from pysubs2.exceptions import Pysubs2Error
 
     text = decoded(path, content)
-    form = "vtt" if text.lstrip().startswith(_MARK) else "srt"
+    is_srt = not text.lstrip().startswith(_MARK) and _HOURS.search(text) is not None
+    form = "srt" if is_srt else "vtt"
     if form == "vtt":
         text = _TAGS.sub("", _BLOCKS.sub("", text))
     try:
@@ -47,7 +52,7 @@ def read(path: Path, content: bytes) -> Imported:
         rows = [row.strip() for row in plain.split("\n") if row.strip()]
         new = rows[_repeated(shown, rows) :]
         shown = rows or shown
-        said = clean_text("\n".join(new))
+        said = clean_text("\n".join(_SPEAKER.sub("", row) for row in new))
         if not event.is_comment and event.end > event.start and tokens(said):
             lines.append(Line(said, event.start / 1000, event.end / 1000))
     return Imported(tuple(lines))

@@ -104,9 +104,19 @@ def test_webvtt_and_old_subtitles_are_read(tmp_path: Path) -> None:
     vtt = tmp_path / "a.vtt"
     vtt.write_text("WEBVTT\n\n00:00:01.000 --> 00:00:02.000\n<v Bob>Hi, <i>there</i>!\n")
     assert read_words(vtt).lines == (Line("Hi, there!", 1.0, 2.0),)
+    vtt.write_text(vtt.read_text().removeprefix("WEBVTT\n\n").replace("00:00:0", "00:0"))
+    assert read_words(vtt).lines == (Line("Hi, there!", 1.0, 2.0),)
     srt = tmp_path / "a.srt"
     srt.write_bytes("1\n00:00:01,000 --> 00:00:02,500\nÉtude\n".encode("cp1252"))
     assert read_words(srt).lines == (Line("Étude", 1.0, 2.5),)
+
+
+def test_names_of_speakers_in_subtitles_are_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "a.srt"
+    path.write_text(
+        "1\n00:00:01,000 --> 00:00:02,000\nMRS. O'NEIL: Hi!\n- BOB 2: NASA: ok\nWARNING: FIRE\n"
+    )
+    assert read_words(path).lines == (Line("Hi!\nNASA: ok\nWARNING: FIRE", 1.0, 2.0),)
 
 
 def test_words_are_spread_over_their_lines() -> None:
