@@ -134,30 +134,32 @@ def _slow(path: Path) -> None:
     make_film(path, frames=12, rate=2)
 
 
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (Path.touch, "cannot be read"),
-        (Path.mkdir, "is not a regular file"),
-        (_broken, "cannot be read"),
-        (_sound_only, "has no pictures"),
-        (_photo, "is a picture, not a film"),
-        (_animated, "is a picture, not a film"),
-        (_slow, "has 2 pictures a second"),
-    ],
-)
-def test_what_is_no_film_is_one_message_and_the_take_stays(
-    bench: Bench, tmp_path: Path, make: Callable[[Path], object], said: str
-) -> None:
-    window, path = bench.editing(), tmp_path / "film.mp4"
-    make(path)
-    bench.answers |= {"film_to_track": path, "save_take": tmp_path / "new.csv"}
-    trigger(window, "track_film")
-    bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=30_000)
-    assert said in bench.errors[0]
-    assert "\n" not in bench.errors[0]
-    assert open_path(window) == bench.take
-    assert not list(tmp_path.glob("new*"))
+NO_FILMS: dict[Callable[[Path], object], str] = {
+    Path.touch: "cannot be read",
+    Path.mkdir: "is not a regular file",
+    _broken: "cannot be read",
+    _sound_only: "has no pictures",
+    _photo: "is a picture, not a film",
+    _animated: "is a picture, not a film",
+    _slow: "has 2 pictures a second",
+}
+
+
+def test_what_is_no_film_is_one_message_and_the_take_stays(bench: Bench, tmp_path: Path) -> None:
+    window = bench.editing()
+    for number, (make, said) in enumerate(NO_FILMS.items()):
+        (folder := tmp_path / str(number)).mkdir()
+        path = folder / "film.mp4"
+        make(path)
+        bench.errors.clear()
+        bench.answers |= {"film_to_track": path, "save_take": folder / "new.csv"}
+        trigger(window, "track_film")
+        bench.qtbot.waitUntil(lambda: bool(bench.errors), timeout=30_000)
+        assert said in bench.errors[0]
+        assert "\n" not in bench.errors[0]
+        assert open_path(window) == bench.take
+        assert not list(folder.glob("new*"))
+        bench.qtbot.waitUntil(lambda: not window.workspace.unfinished.names, timeout=30_000)
 
 
 def test_a_click_on_the_picture_tracks_the_face_there(

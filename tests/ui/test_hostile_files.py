@@ -61,19 +61,20 @@ def test_weights_as_large_as_a_take_can_have_are_shown(bench: Bench) -> None:
     paint(window)
 
 
-@pytest.mark.parametrize("value", ["1e18", "1e30", "3e38", "10.5", "-11"])
-def test_a_weight_that_no_face_can_have_is_named_with_its_line(bench: Bench, value: str) -> None:
+def test_a_weight_that_no_face_can_have_is_named_with_its_line(bench: Bench) -> None:
     path = make_livelink_csv(bench.folder / "one.csv", seconds=1.0)
     lines = path.read_text().splitlines()
     cells = lines[7].split(",")
-    cells[lines[0].split(",").index("JawOpen")] = value
-    lines[7] = ",".join(cells)
-    path.write_text("\n".join(lines) + "\n")
     window = bench.editing()
-    window.commands.file.open_if_saved(path)
-    bench.qtbot.waitUntil(lambda: bool(bench.errors))
-    assert "one.csv, line 8: jawOpen" in bench.errors[0]
-    assert open_path(window) == bench.take, "what was open stays open"
+    for value in ("1e18", "1e30", "3e38", "10.5", "-11"):
+        cells[lines[0].split(",").index("JawOpen")] = value
+        lines[7] = ",".join(cells)
+        path.write_text("\n".join(lines) + "\n")
+        bench.errors.clear()
+        window.commands.file.open_if_saved(path)
+        bench.qtbot.waitUntil(lambda: bool(bench.errors))
+        assert "one.csv, line 8: jawOpen" in bench.errors[0]
+        assert open_path(window) == bench.take, "what was open stays open"
 
 
 @pytest.mark.parametrize(
