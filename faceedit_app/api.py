@@ -29,12 +29,7 @@ from faceedit_app.editing import exporting, filming
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.originals import Kept
-from faceedit_app.editing.help.by_name import (
-    check_inside,
-    control_by_name,
-    edit_by_name,
-    with_strength,
-)
+from faceedit_app.editing.help import by_name
 from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
@@ -137,7 +132,7 @@ class Take:
         """
         self.session.live.work()
         values = self.session.tracked if tracked else self.session.achieved
-        return np.array(values[:, CONTROL_INDEX[control_by_name(name)]], np.float32)
+        return np.array(values[:, CONTROL_INDEX[by_name.control_by_name(name)]], np.float32)
 
     def problems(self) -> list[Problem]:
         """The places that are probably wrong, in order of time."""
@@ -193,7 +188,7 @@ class Take:
         """
         ways = {Op.OFFSET: by, Op.SET: to, Op.SCALE: times, Op.SMOOTH: smooth}
         clip, span = self.session.take.clip, (start, end)
-        self.session.add(edit_by_name(clip, curves, ways, span, falloff, strength))
+        self.session.add(by_name.edit_by_name(clip, curves, ways, span, falloff, strength))
         return self
 
     def retime(
@@ -231,7 +226,7 @@ class Take:
             FaceEditError: the time is outside the take.
         """
         at, clip = number("at", at), self.session.take.clip
-        check_inside(clip, at, at)
+        by_name.check_inside(clip, at, at)
         self.session.live.work()
         edit = neutral_at(self.session, clip.frame_at(at), 0.0, clip.duration)
         if edit is not None:
@@ -283,14 +278,14 @@ class Take:
         span, strength = None, number("strength", strength)
         if start is not None or end is not None:
             span = (start or 0.0, float(self.times[-1]) if end is None else end)
-            check_inside(self.session.take.clip, *span)
+            by_name.check_inside(self.session.take.clip, *span)
         elif preset.alone is not Alone.TAKE:
             raise FaceEditError(
                 f"{preset.name} acts at a place; give start and end, or fix what is wrong instead"
             )
         self.session.live.work()
         edits = apply_preset(self.session, preset, span, 0.0)
-        self.session.add(*(with_strength(edit, strength) for edit in edits))
+        self.session.add(*(by_name.with_strength(edit, strength) for edit in edits))
         self._read += [Path(name)] if str(name).endswith(".json") else []
         return self
 

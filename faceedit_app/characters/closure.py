@@ -84,7 +84,7 @@ def _without_sliding(distances: Distances) -> Distances:
 
 
 @dataclass(frozen=True)
-class Closure:
+class ClosureShares:
     """How often a character's lips and lids stay open where ours are closed.
 
     Attributes:
@@ -105,7 +105,7 @@ class Closure:
     lids_gap: float
 
 
-def closure(ours: Doubles, theirs: Doubles) -> Closure:
+def closure(ours: Doubles, theirs: Doubles) -> ClosureShares:
     """Compare gaps, (T, 3) mm each, of the same frames on two characters."""
     shut = ours < SHUT
     open_ = theirs > SHUT
@@ -119,7 +119,7 @@ def closure(ours: Doubles, theirs: Doubles) -> Closure:
         far, within = open_[:, columns][where].mean(), (gaps <= CLOSE_ENOUGH).mean()
         return len(gaps), float(far), float(within), float(np.percentile(gaps, 95))
 
-    return Closure(*kind(lips=True), *kind(lips=False))
+    return ClosureShares(*kind(lips=True), *kind(lips=False))
 
 
 def together(all_gaps: Sequence[Doubles]) -> Doubles:

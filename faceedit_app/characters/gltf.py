@@ -78,19 +78,19 @@ def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
         FileError: there is no mesh.
         Damaged: the file contradicts itself.
     """
-    scene = Scene(document)
-    placed = scene.primitives()
+    nodes = Nodes(document)
+    placed = nodes.primitives()
     # Primitives may share one set of vertices; each keeps only those that it uses.
     shared = {p.primitive["attributes"]["POSITION"]: p for p in placed}
     counts = [document.count(position) for position in shared]
     check_targets(counts, [len(p.names) for p in shared.values()])
-    parts = [(p, *read) for p in placed if (read := scene.part(p)) is not None]
+    parts = [(p, *read) for p in placed if (read := nodes.part(p)) is not None]
     if not parts:
         raise FileError(document.path, "holds no triangles", "export the mesh of the head")
     return parts
 
 
-class Scene:
+class Nodes:
     """The nodes of a document, with their transforms."""
 
     def __init__(self, document: Document) -> None:

@@ -23,7 +23,7 @@ _MUCH = 0.2  # share of the steps whose rate may be the take's
 
 
 @dataclass(frozen=True)
-class Stretch:
+class SteadyRows:
     """Rows that come at one rate.
 
     Attributes:
@@ -36,7 +36,7 @@ class Stretch:
     rate: float
 
 
-def stretches(times: Times, resolution: float = 0.0) -> list[Stretch]:
+def stretches(times: Times, resolution: float = 0.0) -> list[SteadyRows]:
     """The stretches of a take whose frame rate changes; empty if it does not.
 
     Args:
@@ -44,7 +44,7 @@ def stretches(times: Times, resolution: float = 0.0) -> list[Stretch]:
         resolution: of the times, in seconds.
     """
     steps = np.diff(times)
-    found: list[Stretch] = []
+    found: list[SteadyRows] = []
     for first, last in _runs(steps, 2.02 * resolution):
         length = float(times[last] - times[first])
         rate = nominal_rate((last - first) / length, max(2 * resolution / length, 1e-3))
@@ -52,16 +52,16 @@ def stretches(times: Times, resolution: float = 0.0) -> list[Stretch]:
             return []
         same = found and max(rate, found[-1].rate) < _APART * min(rate, found[-1].rate)
         if same:
-            found[-1] = Stretch(found[-1].first, last, found[-1].rate)
+            found[-1] = SteadyRows(found[-1].first, last, found[-1].rate)
         else:
-            found.append(Stretch(first, last, rate))
+            found.append(SteadyRows(first, last, rate))
     covered = sum(one.last - one.first for one in found)
     if not 1 < len(found) <= _MOST or covered < _COVERED * len(steps):
         return []
     return found
 
 
-def usual_rate(found: list[Stretch]) -> float:
+def usual_rate(found: list[SteadyRows]) -> float:
     """The take's rate: the highest that much of it has, so that no detail is lost."""
     rows = sum(one.last - one.first for one in found)
     return max(
@@ -70,7 +70,7 @@ def usual_rate(found: list[Stretch]) -> float:
     )
 
 
-def evened_stretches(times: Times, found: list[Stretch], slack: float) -> Times:
+def evened_stretches(times: Times, found: list[SteadyRows], slack: float) -> Times:
     """The times (T,), even within each stretch if rounding alone explains that they are not.
 
     Args:

@@ -34,7 +34,7 @@ _VOWELS = frozenset("aeiouyæɑɒɔəɛɜɪʊʌøœɐɨʉɯɤ")
 
 
 @dataclass(frozen=True)
-class Unit:
+class Matchable:
     """A phoneme, or a word without phonemes: what is matched.
 
     Attributes:
@@ -160,15 +160,18 @@ def keep(
 # --- matching ----------------------------------------------------------------------------------
 
 
-def _units(ours: Transcript, theirs: Transcript) -> tuple[list[Unit], list[Unit]]:
+def _units(ours: Transcript, theirs: Transcript) -> tuple[list[Matchable], list[Matchable]]:
     """What is matched: phonemes if both sides have them, else words."""
     both = ours, theirs
     if all(any(True for _ in side.phonemes()) for side in both):
         found = [
-            [Unit(_plain(p.symbol), p.start, p.end) for _, p in side.phonemes()] for side in both
+            [Matchable(_plain(p.symbol), p.start, p.end) for _, p in side.phonemes()]
+            for side in both
         ]
     else:
-        found = [[Unit(w.text.casefold(), w.start, w.end) for w in side.words] for side in both]
+        found = [
+            [Matchable(w.text.casefold(), w.start, w.end) for w in side.words] for side in both
+        ]
     return found[0], found[1]
 
 
@@ -211,7 +214,7 @@ def _aligned(ours: Sequence[str], theirs: Sequence[str]) -> list[tuple[int, int]
     return pairs[::-1]
 
 
-def _missing(ours: Transcript, mine: Sequence[Unit], found: set[int]) -> tuple[str, ...]:
+def _missing(ours: Transcript, mine: Sequence[Matchable], found: set[int]) -> tuple[str, ...]:
     """The words of which nothing was found."""
     there = sorted((mine[i].start, mine[i].end) for i in found)
     return tuple(
@@ -225,7 +228,7 @@ def _missing(ours: Transcript, mine: Sequence[Unit], found: set[int]) -> tuple[s
 
 
 def _pins(
-    pairs: Sequence[tuple[Unit, Unit]], offset: float, clip: Clip
+    pairs: Sequence[tuple[Matchable, Matchable]], offset: float, clip: Clip
 ) -> list[tuple[float, float]]:
     """(was, is) seconds of the edges of matched units, within the take and in order."""
     first, last = float(clip.times[0]), float(clip.times[-1])

@@ -60,7 +60,7 @@ class Alignment:
 
 
 @dataclass(frozen=True)
-class Closing:
+class ClosingFigures:
     """Closures at m, b and p, before and after all of them are fixed.
 
     Attributes:
@@ -92,7 +92,7 @@ class WordFigures:
 
     takes: tuple[str, ...]
     alignment: tuple[Alignment, ...]
-    closing: tuple[Closing, ...]
+    closing: tuple[ClosingFigures, ...]
 
     def as_json(self) -> dict[str, Any]:
         """The figures as JSON values."""
@@ -202,7 +202,7 @@ def _noisy(one: _Known, decibels: float, seed: int) -> Samples:
 # --- closures ------------------------------------------------------------------------------------
 
 
-def _closed(known: Sequence[_Known], engine: Engine, damaged: bool) -> Closing:
+def _closed(known: Sequence[_Known], engine: Engine, damaged: bool) -> ClosingFigures:
     before, after, false, moved, count = [], [], 0, 0.0, 0
     for one in known:
         words = _align(one, one.samples)
@@ -218,7 +218,7 @@ def _closed(known: Sequence[_Known], engine: Engine, damaged: bool) -> Closing:
         places = [closure for closure in first if closure.is_open]
         false += sum(not _is_in_word(c.time, c.word, words, one.words) for c in places)
         moved = max(moved, _moved_far(session, was, [c.time for c in places]))
-    return Closing(
+    return ClosingFigures(
         "with every closure opened" if damaged else "as tracked",
         count,
         sum(gap > 0.5 for gap in before),
