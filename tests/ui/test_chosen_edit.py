@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from support.curves import drag, place, turn
-from support.windows import Bench, drag_curve, editor_of, session_of, trigger
+from support.windows import Bench, drag_curve, editor_of, press_key, session_of, trigger
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
@@ -233,7 +233,7 @@ def test_with_time_as_timecode_ranges_are_shown_and_typed_as_timecode(window: Ma
     QTest.keyClicks(fields.start, "1:10")
     QTest.keyClick(fields.start, Qt.Key.Key_Return)
     assert (session.edits[0].start, session.edits[0].end) == (times[70], times[96])
-    QTest.keyClick(fields.end, Qt.Key.Key_Up)
+    press_key(fields.end, Qt.Key.Key_Up)
     assert (session.edits[0].start, session.edits[0].end) == (times[70], times[97])
     index = edits.model.index(0)
     assert edits.model.ends(session.edits[0]) == "12:00:01:10 – 12:00:01:37"

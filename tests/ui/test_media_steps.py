@@ -9,7 +9,7 @@ from support.curves import let_go, move_with, surface
 from support.faces import random_engine
 from support.films import make_film, make_wav
 from support.media import FakeOutput, drag, mouse, settle, with_media
-from support.windows import Bench, drag_curve, editor_of, session_of, trigger
+from support.windows import Bench, drag_curve, editor_of, press_key, session_of, trigger
 
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.ui.commands import dialogs
@@ -81,8 +81,7 @@ def test_adding_moving_and_removing_are_one_step_each(
     added = Placement(MediaFile(film), MediaFile(film))
     assert window.media.placement == added
     strip = editor_of(window).sound
-    for _ in range(5):  # the arrows of the number
-        QTest.keyClick(strip.offset, Qt.Key.Key_Up)
+    press_key(strip.offset, Qt.Key.Key_Up, 5)
     moved = Placement(MediaFile(film, 0.05), MediaFile(film, 0.05))
     assert window.media.placement == moved
     trigger(window, "undo")
