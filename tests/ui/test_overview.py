@@ -61,6 +61,18 @@ def test_edits_out_of_view_are_on_it(window: MainWindow) -> None:
     assert blue() == before
 
 
+def test_edits_are_not_painted_again_as_the_playhead_moves(window: MainWindow) -> None:
+    bar, session = overview_of(window), window.document.session
+    assert session is not None
+    add_edit(window)
+    painted = bar.picture(session.edits)
+    window.timeline.go_to_time(1.0)
+    bar.grab()
+    assert bar.picture(session.edits) is painted
+    window.actions_["undo"].trigger()
+    assert bar.picture(session.edits) is not painted
+
+
 def test_it_stands_under_the_plots(window: MainWindow) -> None:
     bar = overview_of(window)
     assert window.editor is not None

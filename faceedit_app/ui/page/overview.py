@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.core.controls import control_named
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.gestures import zoom_factor
 from faceedit_app.ui.look.guard import guarded
@@ -29,6 +30,7 @@ class Overview(QWidget):
         super().__init__()
         self._document, self._timeline = document, timeline
         self._held: tuple[str, float] | None = None  # part, and seconds from its start
+        self._painted: tuple[object, QPixmap] | None = None  # see `picture`
         self.setFixedHeight(HEIGHT)
         self.setObjectName("overview")
         self.setAccessibleName("Overview of the take")
@@ -120,8 +122,28 @@ class Overview(QWidget):
         painter.setPen(QPen(style.color(style.MUTED), 1.0))
         painter.setBrush(style.color(style.GRID))
         painter.drawRoundedRect(frame, 3, 3)
+        painter.drawPixmap(0, 0, self.picture(session.edits))
+        x = round(self.x_of(self._timeline.time)) + 0.5
+        painter.setPen(QPen(style.color(style.PLAYHEAD), 1.0))
+        painter.drawLine(QPointF(x, 0), QPointF(x, HEIGHT))
+
+    def picture(self, edits: tuple[Edit, ...]) -> QPixmap:
+        """The edits; painted again when they or the bar change, but not as the playhead moves."""
+        ratio = self.devicePixelRatioF()
+        key = edits, self.size(), ratio, self._timeline.duration
+        if self._painted is None or self._painted[0] != key:
+            picture = QPixmap(self.size() * ratio)
+            picture.setDevicePixelRatio(ratio)
+            picture.fill(Qt.GlobalColor.transparent)
+            with QPainter(picture) as painter:
+                self._paint_edits(painter, edits)
+            self._painted = key, picture
+        return self._painted[1]
+
+    def _paint_edits(self, painter: QPainter, edits: tuple[Edit, ...]) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)
-        for edit in session.edits:
+        for edit in edits:
             color = style.TICK
             if edit.enabled:
                 color = control_named(edit.controls[0]).color if edit.controls else style.MUTED
@@ -129,9 +151,6 @@ class Overview(QWidget):
             place = QRectF(left, 4.5, max(right - left, _LEAST), HEIGHT - 9.0)
             painter.setBrush(style.color(color, 150))
             painter.drawRoundedRect(place & QRectF(self.rect()), 2, 2)
-        x = round(self.x_of(self._timeline.time)) + 0.5
-        painter.setPen(QPen(style.color(style.PLAYHEAD), 1.0))
-        painter.drawLine(QPointF(x, 0), QPointF(x, HEIGHT))
 
     def sizeHint(self) -> QSize:
         """A thin bar."""
