@@ -82,8 +82,9 @@ def test_numbers_are_suggested_in_words(number: str, words: str) -> None:
 
 
 def test_a_message_names_a_few_words_and_the_remedy() -> None:
-    with pytest.raises(FaceEditError, match='1984="nineteen eighty four"'):
+    with pytest.raises(FaceEditError, match="“1984”; give English words that sound like") as one:
         pronounce(["in", "1984"], {})
+    assert '1984="nineteen eighty four"' in one.value.for_command
     many = [f"zyx{'q' * k}" for k in range(1, 30)]
     with pytest.raises(FaceEditError, match="and 21 more; for other languages") as caught:
         pronounce(many, {})
