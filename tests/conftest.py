@@ -18,6 +18,7 @@ with contextlib.suppress(ImportError):
 # Before Qt is imported by anything: tests need no display, and disturb none.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
+from support.chance import TIMES
 from support.media import devices
 from support.windows import bench
 
@@ -34,7 +35,11 @@ def pytest_configure() -> None:
     gc.disable()
     # The same examples each time, and no failure because a computer is busy.
     settings.register_profile(
-        "tests", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+        "tests",
+        deadline=None,
+        derandomize=True,
+        max_examples=50 * TIMES,
+        suppress_health_check=[HealthCheck.too_slow],
     )
     settings.load_profile("tests")
 
