@@ -53,4 +53,7 @@ def pytest_collection_finish() -> None:
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_teardown() -> Iterator[None]:
     yield
+    full = gc.get_stats()[2]["collections"]
     _garbage.collect()
+    if gc.get_stats()[2]["collections"] > full:
+        gc.freeze()  # what has outlived its test is kept by a module, and need not be seen again

@@ -43,10 +43,10 @@ def test_every_reader_reads_its_undamaged_file(tmp_path: Path) -> None:
 
 
 def test_damaged_files_are_read_rightly_or_refused(tmp_path: Path) -> None:
-    found = fuzz(300, seed=4, keep=tmp_path)
+    found = fuzz(150, seed=4, keep=tmp_path)
     assert not found.failures, found.lines()
-    assert sum((found.read + found.refused).values()) == 300
-    assert sum(found.refused.values()) > 50
+    assert sum((found.read + found.refused).values()) == 150
+    assert sum(found.refused.values()) > 25
 
 
 @pytest.mark.parametrize(

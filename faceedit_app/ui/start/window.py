@@ -178,6 +178,10 @@ class MainWindow(WindowBase):
         """The page, created when it is first needed."""
         if self.workspace.page is not None:
             return self.workspace.page
+        with self.actions_.held():
+            return self._built()
+
+    def _built(self) -> Editor:
         from faceedit_app.ui.page.editor import Editor  # pyqtgraph; after the first paint
 
         page = self.workspace.page = Editor(
@@ -205,7 +209,6 @@ class MainWindow(WindowBase):
         page.curves.shown.unfolded.connect(self._preferences.set_unfolds_curves)
         page.curves.shown.changed.connect(self.actions_.refresh)
         self.commands.view.restore_film_place()
-        self.actions_.refresh()
         return page
 
     def _load_model(self, rig: Rig) -> None:
@@ -263,6 +266,10 @@ class MainWindow(WindowBase):
     # --- following the document --------------------------------------------------------------
 
     def _opened(self) -> None:
+        with self.actions_.held():
+            self._show_opened()
+
+    def _show_opened(self) -> None:
         session = self.document.session
         assert session is not None
         self._lacks_shown.clear()

@@ -5,6 +5,7 @@ The tables are in `ui/commands`, one per menu, beside the methods that carry the
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -94,7 +95,7 @@ class Actions:
         self._actions: dict[str, QAction] = {}
         self._submenus: dict[str, QMenu] = {}
         self._commands: list[tuple[Command[Any], Any]] = []
-        self._running = 0  # commands
+        self._running = 0  # commands, and what else is held
         for menu, doer in menus:
             self._fill(menu, doer)
         self.refresh()
@@ -122,6 +123,16 @@ class Actions:
                 action.setChecked(command.checked(doer))
             if command.detail is not None:
                 action.setText(f"{command.text} {_in_menu(command.detail(doer))}".rstrip())
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """Refresh once, at the end of what changes many things."""
+        self._running += 1
+        try:
+            yield
+        finally:
+            self._running -= 1
+            self.refresh()
 
     def _fill(self, menu: Menu[Any], doer: Any) -> None:
         outer = self._window.menuBar().addMenu(menu.title)
@@ -160,12 +171,8 @@ class Actions:
 
     def _run(self, command: Command[Any], doer: Any) -> None:
         assert command.run is not None
-        self._running += 1
-        try:
+        with self.held():  # Qt toggled the action even if the command does nothing
             command.run(doer)
-        finally:
-            self._running -= 1
-            self.refresh()  # Qt toggled the action even if the command did nothing
 
 
 def _in_menu(detail: str) -> str:
