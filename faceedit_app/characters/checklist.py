@@ -141,7 +141,7 @@ def lid_doubts(rig: Rig, points: Points) -> list[str]:
     """
     found = []
     for side in ("left", "right"):
-        lids = [points.get(f"{side}_{lid}_lid") for lid in ("upper", "lower")]
+        lids = [points.get(side + lid) for lid in ("_upper_lid", "_lower_lid")]
         if None not in lids:
             found += _lid_doubts(rig, np.array(lids, np.intp), side)
     return found
