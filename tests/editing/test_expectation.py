@@ -20,7 +20,8 @@ def known_curves(others: Doubles) -> Expectation:
     phase = np.linspace(0.0, 2.0 * np.pi, 5000, endpoint=False)
     first, third = SMALL * np.sin(phase) * 2**0.5, LARGE * np.cos(phase) * 2**0.5
     take = np.stack([first, first - third, third], axis=1)
-    return Expectation(take, others, np.arange(3), np.zeros(3, np.bool_))
+    alone = np.array([False, False, True])
+    return Expectation(take, others, np.arange(3), np.zeros(3, np.bool_), alone)
 
 
 def test_a_curve_follows_as_in_the_take_and_beyond_it_as_in_others() -> None:
@@ -38,3 +39,20 @@ def test_of_what_is_asked_together_no_part_is_answered_alone() -> None:
     change = np.array([[far, 0.0, far]])
     followed = known_curves(16.0 * np.eye(3)).fill(change, change != 0)[0, 1]
     assert followed == pytest.approx(0.0, abs=0.1 * far)
+
+
+def test_a_curve_is_given_little_by_little() -> None:
+    known = known_curves(16.0 * np.eye(3))
+    change = np.repeat([[2.0, 3.0, 0.0]], 3, axis=0)
+    firm = np.array([[1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0, 1.0, 0.0]])
+    first, half, last = known.expected(change, firm)
+    assert first[1] == pytest.approx(2.0, abs=0.2)  # it follows the first, as in the take
+    assert last[1] == 3.0
+    assert half == pytest.approx(0.5 * (first + last))
+
+
+def test_a_curve_that_moves_alone_moves_no_other() -> None:
+    change = np.array([[0.0, 0.0, LARGE], [SMALL, 0.0, LARGE]])
+    alone, together = known_curves(16.0 * np.eye(3)).expected(change, (change != 0).astype(float))
+    assert alone.tolist() == [0.0, 0.0, LARGE]
+    assert together[1] < -0.5 * LARGE

@@ -347,3 +347,38 @@ def test_a_pucker_that_begins_inside_a_smile_leaves_the_jaw_alone() -> None:
         )
     # Its curve was met to the hair while it faded in, at the cost of the jaw: by up to 3.6 mm.
     assert np.abs(session.achieved[:, MOUTH] - smiling).max() < 1.0
+
+
+@pytest.mark.parametrize("lip", ["upper_lip", "lower_lip"])
+@pytest.mark.parametrize("value", [-2.5, 2.5])
+def test_one_lip_moves_no_other_curve_farther_than_itself(lip: str, value: float) -> None:
+    session = session_on(demo())
+    session.add(offset(lip, value=value))
+    change = session.achieved - session.tracked
+    reached = change[held(session, 2.0, 4.0)][:, CONTROL_INDEX[lip]].mean()
+    assert reached == pytest.approx(value, abs=0.4)
+    # The mouth opened by 4 mm, and its width changed by 6, as in a smile or a pucker.
+    assert np.abs(change[:, MOUTH]).max() < 3.0
+    corners = [CONTROL_INDEX[c] for c in MOUTH_CORNERS]
+    assert np.abs(change[:, corners]).max() < 1.5
+    assert np.abs(change[:, CONTROL_INDEX["mouth_width"]]).max() < 3.0
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "most"),
+    [
+        (("mouth_opening", 6.0), ("mouth_width", 4.0), 0.08),
+        (("upper_lip", -2.0), ("mouth_width", -4.0), 0.08),
+        (("mouth_opening", -8.0), ("lower_lip", -2.0), 0.12),  # lips cannot shut and be lowered
+    ],
+)
+def test_no_channel_jumps_where_one_edit_begins_inside_another(
+    first: tuple[str, float], second: tuple[str, float], most: float
+) -> None:
+    session = session_on(demo())
+    for at in (2.0, 6.0):
+        for begins, (control, value) in ((0.0, first), (0.4, second)):
+            start = at + begins
+            session.add(Edit((control,), Op.OFFSET, start, at + 0.8, 0.2, value))
+    change = (session.weights - session.take.clip.arkit_weights()).astype(float)
+    assert np.abs(np.diff(change, 2, axis=0)).max() < most  # it was up to 0.45

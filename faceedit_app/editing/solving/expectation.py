@@ -8,7 +8,10 @@ what the take does is divided: its first part moves the others as in the take, a
 other performances, where mouths have opened so far.
 
 The other side of a face is held, and so is what can touch: a wink does not close the other eye, and
-a smile does not part closed lips.
+a smile does not part closed lips. A lip that is raised or lowered moves nothing else: in a take it
+often goes with a smile or a pucker, and that is not what such an edit asks for.
+
+Where one edit begins inside another, its curves are given little by little, so that nothing jumps.
 """
 
 from __future__ import annotations
@@ -36,6 +39,7 @@ class Expectation:
         prior: (C, C) mm², their covariance in other performances.
         mirror: (C,) the position of each curve's mirror image.
         held: (C,) curves that change only if they are asked for.
+        alone: (C,) curves that move no other if only such are asked for; None = there are none.
 
     Attributes:
         mean, spread: (C,) mm, of the curves.
@@ -43,7 +47,14 @@ class Expectation:
         mirror, held: (C,) as above.
     """
 
-    def __init__(self, curves: Doubles, prior: Doubles, mirror: Indices, held: Bools) -> None:
+    def __init__(
+        self,
+        curves: Doubles,
+        prior: Doubles,
+        mirror: Indices,
+        held: Bools,
+        alone: Bools | None = None,
+    ) -> None:
         self.mean = curves.mean(axis=0)
         self.spread = curves.std(axis=0) + LEAST_SPREAD
         self.low, self.high = curves.min(axis=0), curves.max(axis=0)
@@ -53,6 +64,7 @@ class Expectation:
         self._covariance = 0.5 * (covariance + covariance[np.ix_(mirror, mirror)])
         self._most = FARTHEST * np.sqrt(np.diag(self._covariance) + JITTER)
         self.mirror, self.held = mirror, held
+        self._alone = np.zeros_like(held) if alone is None else alone
         size = len(self._covariance)
         self._precision = np.linalg.inv(self._covariance + JITTER * np.eye(size))
         self._others = 0.5 * (prior + prior[np.ix_(mirror, mirror)])
@@ -82,9 +94,38 @@ class Expectation:
             change: (N, C) mm, from the tracked curves to what is asked for.
             asked: (N, C) whether the edits ask for this curve.
         """
-        given: Bools = asked | (change != 0)
-        given |= given[:, self.mirror] | (given.any(axis=1, keepdims=True) & self.held)
+        return self._held_with(asked | (change != 0))
+
+    def _held_with(self, asked: Bools) -> Bools:
+        """(N, C) the curves that are given where some are asked for."""
+        some = asked.any(axis=1, keepdims=True)
+        alone = some & ~(asked & ~self._alone).any(axis=1, keepdims=True)
+        given: Bools = asked | asked[:, self.mirror] | (some & self.held) | alone
         return given
+
+    def expected(self, change: Doubles, firm: Doubles) -> Doubles:
+        """The change (N, C), mm, with that of curves that are not, or not firmly, given.
+
+        Curves that are given firmly come first; each softer one then takes its share (a Choquet
+        integral over the sets of given curves), which makes the result continuous in `firm`.
+
+        Args:
+            change: (N, C) mm, from the tracked curves to what is asked for.
+            firm: (N, C) in 0..1, how firmly each is given; 1 for the firmest of each frame.
+        """
+        expected = self.fill(change, self._held_with(firm > 0))
+        rows = np.flatnonzero(((firm > 0) & (firm < 1)).any(axis=1))
+        if not len(rows):
+            return expected
+        change, firm = change[rows], firm[rows]
+        levels = -np.sort(-firm, axis=1)
+        shares = levels - np.append(levels[:, 1:], np.zeros((len(rows), 1)), axis=1)
+        total = np.zeros_like(change)
+        for level, share in zip(levels.T[:, :, None], shares.T[:, :, None], strict=True):
+            if share.any():
+                total += share * self.fill(change, self._held_with((firm >= level) & (level > 0)))
+        expected[rows] = total
+        return expected
 
     def _filled(self, change: Doubles, known: Bools) -> Doubles:
         """The change with that of the curves that are not known filled in from the others."""

@@ -87,6 +87,7 @@ class Part:
         is_optional: whether its controls are optional, so that no network answers them.
         columns: (K,) its channels among the 52: first those of the networks, then accompanying
             ones that the take uses.
+        lips, leaders: positions of its own controls that are of one lip, or that others follow.
         have: positions of the channels that may change, because the take has them.
         have_columns: their columns among the 52.
         is_complete: whether the take has all channels of the networks.
@@ -114,7 +115,8 @@ class Part:
         self._model = engine.models[region.id].description if engine and answered else None
         self.own = tuple(name for name in region.own if name not in missing)
         self.own_columns = np.array([CONTROL_INDEX[name] for name in self.own], np.intp)
-        self._lips = [i for i, name in enumerate(self.own) if control_named(name).expressive]
+        self.leaders = [i for i, name in enumerate(self.own) if control_named(name).leads]
+        self.lips = [i for i, name in enumerate(self.own) if control_named(name).expressive]
         self._distances = distances.select(self.own_columns)
         heard = self._model.controls if self._model else region.controls
         self.listens_to = tuple(dict.fromkeys((*heard, *self.own)))
@@ -217,7 +219,8 @@ class Part:
         mirror = np.array([places.get(MIRRORED_CONTROL[name], i) for name, i in places.items()])
         held = np.array([control_named(name).closes is not None for name in self.own], np.bool_)
         prior = slopes @ self._prior @ slopes.T
-        return Expectation(curves, prior, mirror.astype(np.intp), held)
+        alone = np.array([control_named(name).expressive for name in self.own], np.bool_)
+        return Expectation(curves, prior, mirror.astype(np.intp), held, alone)
 
     def _new_reach(self) -> Reach:
         names = [self.channels[i] for i in self.have]
@@ -283,7 +286,7 @@ class Part:
         mirror = self.expectation.mirror
         other = firm[:, mirror] * (mirror != np.arange(len(mirror)))
         free: Doubles = FREE_MM + other * (HELD_MM - FREE_MM)
-        by_lips = firm[:, self._lips].max(axis=1, initial=0.0)
+        by_lips = firm[:, self.lips].max(axis=1, initial=0.0)
         free[:, self.expectation.held] = (HELD_MM + by_lips * (PARTED_MM - HELD_MM))[:, None]
         return free
 

@@ -34,6 +34,7 @@ from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
+from faceedit_app.editing.solving.giving_way import firmness
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
@@ -313,11 +314,11 @@ class Solver:
         """(N, C) mm: a change of a region's own curves, with that of those not asked for."""
         own = part.own_columns
         hold = asked.hold[:, own]
-        given = part.expectation.given(change, hold > 0)
-        filled = part.expectation.fill(change, given)
+        filled = part.expectation.expected(change, firmness(change, hold, part.leaders))
         if part.completing is None or task.settings.mode is not Mode.PRESERVE or not hold.any():
             return filled
         firm = np.maximum(hold - asked.calm[:, own].max(axis=1, keepdims=True), 0.0)
         times = self.clip.times[slice(*task.near)]
         way = self.chunks.resampling(task.chunk, task.near)
+        given = part.expectation.given(change, hold > 0)
         return filled + part.completing.further(times, way, tracked, filled, given, firm)
