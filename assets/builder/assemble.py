@@ -39,6 +39,7 @@ def build_rig(source: Source) -> Rig:
         parts += build_wet(face, eye, skin, surface)
     parts += build_teeth(face)
     parts += build_hair(line, skin, surface)
+    parts += [build_brow(eye.side, arch, skin, surface, more=True) for eye in face.eyes]
     return _to_rig(_join(parts), face)
 
 

@@ -35,16 +35,23 @@ class BrowArch:
         return np.asarray((np.abs(x) - self.start) / (self.stop - self.start))
 
 
-def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
-    """One brow; both sides draw the same random numbers and so mirror one another."""
-    random = np.random.default_rng(BROWS.seed)
-    count = BROWS.strands
+def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface, more: bool = False) -> Part:
+    """One brow; both sides draw the same random numbers and so mirror one another.
+
+    Args:
+        side: of the character.
+        arch: where the brow lies.
+        skin, surface: what it is tied to.
+        more: the strands that fill it, which come after all other parts: landmarks name vertices.
+    """
+    random = np.random.default_rng(BROWS.seed + more)
+    count = BROWS.more_strands if more else BROWS.strands
     t = np.sort((np.arange(count) + random.uniform(0, 1, count)) / count)
     across = random.uniform(-1, 1, count)
     lean = np.where(across > 0, BROWS.lean[1], BROWS.lean[0])
     angle = np.deg2rad(table(BROWS.angles, t) + lean + random.normal(0, BROWS.angle_spread, count))
     length = table(BROWS.lengths, t) * random.uniform(*BROWS.length_spread, count)
-    x = arch.start + t * (arch.stop - arch.start)
+    x = arch.start + (t + random.normal(0, BROWS.scatter, count)) * (arch.stop - arch.start)
     y = arch.height(x) + across * _thickness(t) / 2
     root = np.c_[x, y]
     tip = root + np.c_[np.cos(angle), np.sin(angle)] * length[:, None]
@@ -64,7 +71,7 @@ def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
     deltas = np.stack([root_delta, widest_delta, tip_delta], axis=2)
     shade = np.repeat(random.uniform(*BROWS.brightness, count), 3)[:, None]
     return make_part(
-        f"brow{side}",
+        f"brow{side}{'Fill' if more else ''}",
         vertices.reshape(-1, 3),
         np.arange(3 * count).reshape(-1, 3),
         "brows",

@@ -29,7 +29,7 @@ from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import Kept, Target, Targets, View
 
 SAMPLES = 4
-_FINE = 800_000  # pixels, up to which fine pictures are drawn at twice their width and height
+_FINE = 1_200_000  # pixels, up to which fine pictures are drawn at twice their width and height
 _DEPTH_SIZE = 320  # pixels of the depth images for the baked shade
 _UPSIDE_DOWN = np.diag([1.0, -1.0, 1.0, 1.0])  # so that the top row is read first
 

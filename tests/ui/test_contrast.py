@@ -36,6 +36,7 @@ PAINTED: dict[str, tuple[str, tuple[str, ...]]] = {
     "edit that is off": (palette.DISABLED, (palette.BACKGROUND,)),
     "edit that is off, hovered": (palette.MUTED, (palette.RAISED,)),
     "edit that is off, selected": (palette.LABEL, (palette.ACCENT_DEEP,)),
+    "name of a face": (palette.TEXT, (palette.BACKGROUND,)),
     "accept": (palette.TEXT, (palette.ACCENT_DEEP, palette.ACCENT_HOVER)),
 }
 

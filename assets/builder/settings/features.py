@@ -107,7 +107,9 @@ class Brows:
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
     strands: int = 132
-    width: float = 0.5
+    more_strands: int = 68  # that lie between them
+    width: float = 0.42
+    scatter: float = 0.02  # along the brow, so that its inner end is no straight line
     widest_at: float = 0.4  # share of a strand
     thickness: float = 4.6
     # Along the brow it swells from this share of the thickness as a sine of this pace, and

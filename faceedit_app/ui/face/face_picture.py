@@ -14,7 +14,7 @@ from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.head import Head
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import tint_of
-from faceedit_app.ui.look.palette import BORDER, TEXT
+from faceedit_app.ui.look.palette import BACKGROUND, BORDER, TEXT
 
 _NEARER, _LOWER = 0.55, 0.012  # of the distance, and metres: small pictures show eyes and mouth
 Size = tuple[int, int]  # pixels
@@ -212,6 +212,14 @@ def paint_names(painter: QPainter, room: QRect) -> None:
     """Label two faces."""
     half, height = room.width() // 2, room.height()
     painter.fillRect(half, 0, 1, height, QColor(BORDER))
-    painter.setPen(QColor(TEXT))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for x, name in ((0, "Tracked"), (half, "Edited")):
-        painter.drawText(QRect(x, height - 34, half, 24), Qt.AlignmentFlag.AlignCenter, name)
+        place = QRect(x, height - 34, half, 24)
+        width = painter.fontMetrics().horizontalAdvance(name) + 20
+        tag = QRect(0, 0, width, place.height())
+        tag.moveCenter(place.center())
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(BACKGROUND))  # there may be skin behind it
+        painter.drawRoundedRect(tag, 5, 5)
+        painter.setPen(QColor(TEXT))
+        painter.drawText(place, Qt.AlignmentFlag.AlignCenter, name)
