@@ -251,6 +251,17 @@ def test_the_playhead_moves_on_in_the_bar_of_problems(window: MainWindow, bench:
     assert not painted.contains(QPoint(round(1.0 * width), 1))
 
 
+def test_the_number_of_problems_fits_its_place(window: MainWindow) -> None:
+    editor = editor_of(window)
+    head = editor.findChild(ProblemsHead)
+    assert head is not None
+    for count, shown in ((35, "35 problems"), (1136, "1136"), (2, "2 problems")):
+        editor.problems.problems = editor.problems.problems[:1] * count
+        head.sync()
+        assert head.count.text() == shown
+        assert head.count.sizeHint().width() <= head.count.width()
+
+
 def test_before_it_has_looked_it_does_not_say_that_all_is_well(bench: Bench) -> None:
     window = bench.editing()
     editor = editor_of(window)

@@ -35,6 +35,7 @@ _SIZES = 3.0, 6.5  # pixels of the mark of the slightest and of the worst proble
 _WAIT_MS = 250  # after the last change
 _LONG = 20_000  # frames: longer takes are searched in the background, not to block the window
 _NEAR = 7.0  # pixels
+_FONT_SIZES = 0.88, 0.78  # of the number of problems; the second for two digits
 _CLOSE = 2.0  # seconds in view, at least, to judge a problem by
 _AROUND = 4.0  # times its length
 # Okabe and Ito's colours, safe for colour-blind people; the shapes differ too.
@@ -312,7 +313,6 @@ class ProblemsHead(QWidget):
         self._bar, self._tip = bar, actions["list_problems"].toolTip()
         self.count = QToolButton()
         self.count.setObjectName("small")
-        self.count.setFont(style.scaled_font(self, 0.88))
         self.count.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.count.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.count.clicked.connect(actions["list_problems"].trigger)
@@ -340,7 +340,11 @@ class ProblemsHead(QWidget):
         none = "No problems" if self._bar.is_searched else "Looking…"
         text = f"{count} {words}" if count else none
         self.count.setText(text)
-        if count and self.count.sizeHint().width() > self.count.width():
-            self.count.setText(str(count))
+        for size in _FONT_SIZES:
+            self.count.setFont(style.scaled_font(self, size))
+            if self.count.sizeHint().width() <= self.count.width():
+                break
+        else:
+            self.count.setText(str(count) if count else text)
         self.count.setAccessibleName(f"{count} {words}")
         self.count.setToolTip(f"{self._bar.summary}\n{self._tip}".strip())
