@@ -10,6 +10,7 @@ from support.windows import Bench, drop, editor_of, trigger
 
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.start.window import MainWindow
 
 
 def test_a_sound_is_added_from_the_menu_and_removed(
@@ -139,20 +140,22 @@ def test_a_bad_file_beside_the_take_does_not_get_in_the_way(bench: Bench) -> Non
     assert "another.wav" in window.banner.text.text()
 
 
-@pytest.mark.parametrize(
-    ("timecode", "offset"), [("{}", 0.0), ("{}:15", 0.5), ("03:00:00:00", 0.0), ("", 0.0)]
-)
-def test_a_film_with_timecode_is_placed_by_it(
-    bench: Bench, devices: list[FakeOutput], timecode: str, offset: float
-) -> None:
+def test_a_film_with_timecode_is_placed_by_it(bench: Bench, devices: list[FakeOutput]) -> None:
     window = bench.editing()
+    for timecode, offset in (("{}", 0.0), ("{}:15", 0.5), ("03:00:00:00", 0.0), ("", 0.0)):
+        _add_film_with_timecode(bench, window, timecode, offset)
+        trigger(window, "remove_film")
+
+
+def _add_film_with_timecode(bench: Bench, window: MainWindow, timecode: str, offset: float) -> None:
     session = window.document.session
     assert session is not None
     assert session.take.clip.timecodes is not None
     first = session.take.clip.timecodes[0]
     whole_second = first[:8]
     spelled = timecode.format(whole_second if ":15" in timecode else whole_second + ":00")
-    film = make_film(bench.folder / "b.mov", 60, 30, sound=1.0, timecode=spelled)
+    film = bench.folder / f"{len(list(bench.folder.glob('*.mov')))}.mov"
+    make_film(film, 60, 30, sound=1.0, timecode=spelled)
     window.media.add(film)
     settle(bench, window)
     begun = float(first[9:]) / 60  # seconds within the take's first second
