@@ -382,3 +382,13 @@ def test_no_channel_jumps_where_one_edit_begins_inside_another(
             session.add(Edit((control,), Op.OFFSET, start, at + 0.8, 0.2, value))
     change = (session.weights - session.take.clip.arkit_weights()).astype(float)
     assert np.abs(np.diff(change, 2, axis=0)).max() < most  # it was up to 0.45
+
+
+@pytest.mark.parametrize("lip", ["upper_lip", "lower_lip"])
+def test_lips_that_are_pressed_hardly_pass_each_other(lip: str) -> None:
+    session = session_on(demo())
+    session.add(offset("mouth_opening", value=-40.0))
+    session.add(offset(lip, value=6.0))
+    vectors = shipped_rig().arkit_distances.vectors(session.weights.astype(float))
+    upwards = np.sign(np.median(vectors[:, MOUTH, 1]))
+    assert (vectors[:, MOUTH, 1] * upwards).min() > -0.51  # it was -0.9

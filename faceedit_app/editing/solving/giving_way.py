@@ -20,6 +20,8 @@ from faceedit_app.editing.solving.reach import HELD_MM, Goal
 _MISSING_MM, _TIMES = 0.2, 2.0
 # mm: how softly at most what cannot be met together is asked for.
 _SOFTEST_MM = 1.0
+# mm by which an answer may make lips pass each other.
+PASSING_MM = 0.5
 
 
 def missing(goal: Goal, targets: Doubles, reached: Doubles, rising: Doubles) -> Doubles:
@@ -64,6 +66,17 @@ def kept(parted: Doubles, asked: Doubles, firm: Doubles, naturalness: float) -> 
     share = np.minimum(1.0, may / np.maximum(np.abs(parted), 1e-9))
     soft: Doubles = share + firm * (1.0 - share)
     return soft
+
+
+def unpassed(before: Doubles, after: Doubles) -> Doubles:
+    """(N,) in 0..1: the share of an answer up to which lips do not pass each other.
+
+    Args:
+        before, after: (N,) mm, how high one lip is above the other.
+    """
+    lowest = np.minimum(before, 0.0) - PASSING_MM
+    share: Doubles = (before - lowest) / np.maximum(before - after, 1e-9)
+    return np.where(after < lowest, np.minimum(share, 1.0), 1.0)
 
 
 def firmness(change: Doubles, hold: Doubles, leaders: Sequence[int]) -> Doubles:

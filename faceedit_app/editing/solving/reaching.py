@@ -11,11 +11,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.solving.coupling import couple, room_of_close
 from faceedit_app.editing.solving.filters import smoothed
-from faceedit_app.editing.solving.giving_way import contradictions, kept, missing
+from faceedit_app.editing.solving.giving_way import (
+    PASSING_MM,
+    contradictions,
+    kept,
+    missing,
+    unpassed,
+)
 from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.region_request import RegionRequest
@@ -48,6 +55,8 @@ class Reaching:
         self._part, self._reach, self._lips = part, reach, lips
         self._shut, self._quick = shut, quick
         self._others = [i for i in range(len(part.own)) if i != lips]
+        rest = part.vectors(np.zeros((1, len(ARKIT_INDEX))))[0, lips or 0, 1]
+        self._upwards = -1.0 if rest < 0 else 1.0
 
     def __call__(
         self,
@@ -170,7 +179,9 @@ class Reaching:
             couple(found, room_of_close(here), rows)
 
     def _keep_lips(self, found: Doubles, asked: RegionRequest, old: Doubles, where: Rows) -> None:
-        """Part or shut lips that nobody asked for no farther than edits go, in place.
+        """Take part of the answer back where lips would go too far, in place.
+
+        Those that nobody asked for part or shut no farther than edits go, and none pass each other.
 
         Args:
             found: (N, 52) the answer.
@@ -180,19 +191,23 @@ class Reaching:
         lips, part = self._lips, self._part
         if lips is None or asked.settings.mode is not Mode.PRESERVE:
             return
-        hold = asked.hold[where]
-        if (hold[:, lips] > 0).all():
-            return
-        parted = part.lengths(part.vectors(found))[:, lips] - asked.wanted[where][:, lips]
-        change = np.abs(asked.wanted - asked.tracked)[where] * (hold > 0)
-        firm = hold[:, lips] / hold.max(axis=1)
-        farthest = change[:, self._others].max(axis=1, initial=0.0)
-        share = kept(parted, farthest, firm, asked.settings.naturalness)
-        rows = np.flatnonzero(share < 1.0)
+        vectors, share = part.vectors(found), np.ones(len(found))
+        hold, columns = asked.hold[where], part.have_columns
+        if not (hold[:, lips] > 0).all():
+            parted = part.lengths(vectors)[:, lips] - asked.wanted[where][:, lips]
+            change = np.abs(asked.wanted - asked.tracked)[where] * (hold > 0)
+            firm = hold[:, lips] / hold.max(axis=1)
+            farthest = change[:, self._others].max(axis=1, initial=0.0)
+            share = kept(parted, farthest, firm, asked.settings.naturalness)
+        height = vectors[:, lips, 1] * self._upwards
+        rows = np.flatnonzero((share < 1.0) | (height < -PASSING_MM))
         if len(rows):
-            columns, before = part.have_columns, old[where][rows]
-            after = found[np.ix_(rows, columns)]
-            found[np.ix_(rows, columns)] = before + share[rows, None] * (after - before)
+            before, after = found[rows].copy(), found[np.ix_(rows, columns)]
+            before[:, columns] = old[where][rows]
+            start = part.vectors(before)[:, lips, 1] * self._upwards
+            most = np.minimum(share[rows], unpassed(start, height[rows]))[:, None]
+            tracked = before[:, columns]
+            found[np.ix_(rows, columns)] = tracked + most * (after - tracked)
 
     def _aim(
         self,
