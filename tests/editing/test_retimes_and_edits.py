@@ -80,6 +80,28 @@ def test_a_reset_after_it_takes_it_away_to_the_bit() -> None:
     assert np.array_equal(session.rotations, clip.rotations)
 
 
+@pytest.mark.parametrize(
+    "erased",
+    [
+        Edit((LIP_OPENING,), Op.OFFSET, 3.2, 3.8, 0.05, 4.0),
+        Edit(CONTROL_IDS, Op.FILL, 3.2, 3.8, 0.0),
+        retime.moved(clip_of(), (3.4, 3.6), 0.1, pad=0.2),
+    ],
+    ids=lambda edit: str(edit.op),
+)
+def test_what_a_reset_has_taken_away_stays_away_when_a_retime_moves_it(erased: Edit) -> None:
+    session, other = session_by_rig(clip_of()), session_by_rig(clip_of())
+    session.add(erased)
+    session.reset(2.9, 4.1)
+    session.add(STRETCH)
+    other.add(STRETCH)
+    assert np.array_equal(session.weights, other.weights)
+    assert session.edits[1].start < 2.5
+    session.remove(2)
+    assert np.array_equal(session.weights, clip_of().arkit_weights())
+    assert session.edits[1].end == pytest.approx(4.1, abs=1e-5)
+
+
 def test_a_reset_before_it_leaves_it() -> None:
     session, other = session_by_rig(clip_of()), session_by_rig(clip_of())
     session.add(STRETCH)

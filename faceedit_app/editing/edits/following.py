@@ -2,8 +2,8 @@
 
 A retime moves the take's content in time. What was edited there moves along, and back when the
 retime is switched off or deleted; edits below it in the list were made on the retimed take, and
-stay. Fills, resets, other retimes, and neutral rests of the take stay too: they act before all
-others, in their own order.
+stay. Fills, other retimes, and neutral rests of the take stay too: they act before all others, in
+their own order.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from faceedit_app.editing.edits.dividing import are_late
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.words.transcript import Transcript
 
+DIGITS = 6  # of the seconds of an edit that was moved
 _SAME = 1e-6  # seconds
-_STAY = (*OF_THE_TAKE, Op.RESET)
 
 
 def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]:
@@ -41,7 +41,7 @@ def following(before: Sequence[Edit], after: Sequence[Edit]) -> tuple[Edit, ...]
         for i, edit in enumerate(after[:place]):
             if left[edit] > 0:
                 left[edit] -= 1
-                if late[i] or edit.op not in _STAY:
+                if late[i] or edit.op not in OF_THE_TAKE:
                     found[i] = _moved(found[i], _clock(old), _clock(new))
     return tuple(found)
 
@@ -105,7 +105,7 @@ def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
     new = _times(old, before, after)
     if np.abs(new - old).max() < _SAME:
         return edit
-    first, start, end, last, *times = new.round(6).tolist()
+    first, start, end, last, *times = new.round(DIGITS).tolist()
     fades = max(start - first, 0.0), max(last - end, 0.0)
     # Points that are cut fall together; the last of them stays.
     points = dict(zip(times, (value for _, value in edit.points), strict=True))

@@ -229,6 +229,11 @@ class Chunks:
                 last = np.where(seen[i], np.maximum(last, to), last)
         for i, span in enumerate(spans):
             start, stop = span.affected
+            if edits[i].op is Op.RESET:  # it acts on what later retimes show there
+                for edit, other in zip(edits[i + 1 :], spans[i + 1 :], strict=True):
+                    low, high = other.affected
+                    if edit.op is Op.RETIME and low < stop and start < high:
+                        start, stop = min(start, low), max(stop, high)
             if edits[i].op not in OF_THE_TAKE:
                 seen[i] = (start < last) & (stop > first)
         return first, last

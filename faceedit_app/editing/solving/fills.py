@@ -1,7 +1,9 @@
 """The take that all other edits start from: as tracked, with fills, retimes and neutral rests.
 
 They are applied in the user's order, and a reset takes away those before it. All other edits act
-on the result, so that curves drawn within a fill stay as they are, whichever came first.
+on the result, so that curves drawn within a fill stay as they are, whichever came first. A reset
+takes edits of curves away as well, so its range is in their time: that of the take after all
+retimes, also after those that follow the reset.
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ from faceedit_app.core.arrays import Doubles, Floats, Indices, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
+from faceedit_app.editing.edits.clock import clock_of
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
+from faceedit_app.editing.edits.following import DIGITS
 from faceedit_app.editing.solving.filling import Filling, Stretch, fill_frames
 from faceedit_app.editing.solving.neutral import keep_lips_together, without_rest
 from faceedit_app.editing.solving.recent import Recent
@@ -72,17 +76,19 @@ class Fills:
         return self._starts.to((acting, near.start, near.stop), lambda: self._made(acting, near))
 
     def _made(self, edits: Sequence[Edit], near: slice) -> Floats:
-        out, tracked = self._tracked[near].copy(), self._tracked[near]
-        for edit in edits:
+        tracked, times = self._tracked[near], self._clip.times[near]
+        out = tracked.copy()
+        for i, edit in enumerate(edits):
+            acts = _acts_at(edits, i, times)
             if edit.op is Op.RETIME:
                 _put(out, self._retiming.weights(edit, out, near))
             elif edit.op is Op.NEUTRAL:
                 self._rest(edit, out, near)
-            elif (rows := self._rows(edit, near)) is not None:
+            elif (rows := _rows(edit, acts)) is not None:
                 first, stop = rows.start + near.start, rows.stop + near.start
                 columns = self._columns(edit)
                 new = self._content(edit, out, near, first, stop)[:, columns]
-                self._mix(edit, out, near, rows, columns, new, tracked)
+                _mix(edit, out, acts, rows, columns, new, tracked)
         return out
 
     def turned(self, edits: Sequence[Edit], near: slice, rows: slice) -> Floats | None:
@@ -101,16 +107,17 @@ class Fills:
         return made[rows.start - near.start : rows.stop - near.start]
 
     def _turned(self, edits: Sequence[Edit], near: slice, turns: Floats) -> Floats:
-        out, tracked = turns[near].copy(), turns[near]
+        tracked, times = turns[near], self._clip.times[near]
+        out = tracked.copy()
         columns = np.arange(turns.shape[1])
-        for edit in edits:
+        for i, edit in enumerate(edits):
             if edit.op is Op.RETIME:
                 _put(out, self._retiming.rotations(edit, out, near))
             elif edit.op is Op.RESET and set(edit.controls).issuperset(MAIN_CONTROLS):
-                rows = self._rows(edit, near)
-                if rows is not None:
+                acts = _acts_at(edits, i, times)
+                if (rows := _rows(edit, acts)) is not None:
                     new = tracked[rows].astype(np.float64)
-                    self._mix(edit, out, near, rows, columns, new, tracked)
+                    _mix(edit, out, acts, rows, columns, new, tracked)
         return out
 
     def moved(self, edits: Sequence[Edit], values: Floats) -> Floats:
@@ -125,39 +132,11 @@ class Fills:
                 _put(out, self._retiming.values(edit, out, near))
         return np.clip(out[:, 0], values.min(), values.max())
 
-    def _rows(self, edit: Edit, near: slice) -> slice | None:
-        """Where an edit acts among the frames `near`; None = nowhere."""
-        first, stop = fill_frames(self._clip.times, edit.span)
-        first, stop = max(first, near.start), min(stop, near.stop)
-        return slice(first - near.start, stop - near.start) if first < stop else None
-
-    def _mix(
-        self,
-        edit: Edit,
-        out: Floats,
-        near: slice,
-        rows: slice,
-        columns: Indices,
-        new: Doubles,
-        tracked: Floats,
-    ) -> None:
-        """Put (N, K) values in their place as far as an edit applies, in `out`."""
-        old = out[rows][:, columns].astype(np.float64)
-        times = self._clip.times[near][rows]
-        mask = edit.mask(times)[:, None] * min(edit.strength, 1.0)
-        mixed = np.round(old + mask * (new - old), DECIMALS).astype(np.float32)
-        mixed = np.where(mask == 0, old.astype(np.float32), mixed)
-        if edit.op is Op.RESET:  # to the bit
-            recorded = tracked[rows][:, columns]
-            mixed = np.where((mask == 1) | (old == recorded), recorded, mixed)
-        out[rows.start : rows.stop, columns] = mixed
-
     def _rest(self, edit: Edit, out: Floats, near: slice) -> None:
         """Take a rest away, in `out`; what it leaves unchanged keeps its bits."""
-        rows = self._rows(edit, near)
-        if rows is not None:
-            times = self._clip.times[near][rows]
-            out[rows] = self._without(edit, out[rows], times)
+        times = self._clip.times[near]
+        if (rows := _rows(edit, times)) is not None:
+            out[rows] = self._without(edit, out[rows], times[rows])
 
     def _without(self, edit: Edit, weights: Floats, times: Times) -> Floats:
         """Weights (N, 52) at `times` without the rest of an edit."""
@@ -208,7 +187,7 @@ class Fills:
         seconds = times[before] + share * (times[before + 1] - times[before])
         out = np.full((len(before), self._tracked.shape[1]), np.nan)
         for i, edit in enumerate(edits):
-            covered = edit.mask(seconds) > 0.5
+            covered = edit.mask(_acts_at(edits, i, seconds)) > 0.5
             if edit.op is Op.NEUTRAL:
                 out = self._without(edit, out.astype(np.float32), seconds).astype(np.float64)
                 continue
@@ -256,3 +235,48 @@ def _put(out: Floats, made: tuple[slice, Doubles] | None) -> None:
         rows, values = made
         rounded = values.round(DECIMALS).astype(np.float32)
         out[rows] = np.where(values.astype(np.float32) == out[rows], out[rows], rounded)
+
+
+def _acts_at(edits: Sequence[Edit], place: int, times: Times) -> Times:
+    """(N,) the times at which an edit acts on what is at `times` (N,) before it.
+
+    For a reset they are those at which the retimes after it show that.
+    """
+    if edits[place].op is Op.RESET:
+        for later in edits[place + 1 :]:
+            if later.op is Op.RETIME:  # rounded as the ranges of edits that follow it
+                times = clock_of(later).shown(times).round(DIGITS)
+    return times
+
+
+def _rows(edit: Edit, times: Times) -> slice | None:
+    """Which of the frames at `times` (N,) an edit acts on; None = none."""
+    first, stop = fill_frames(times, edit.span)
+    return slice(first, stop) if first < stop else None
+
+
+def _mix(
+    edit: Edit,
+    out: Floats,
+    times: Times,
+    rows: slice,
+    columns: Indices,
+    new: Doubles,
+    tracked: Floats,
+) -> None:
+    """Put (n, K) values in their place as far as an edit applies, in `out`.
+
+    Args:
+        out, tracked: (N, C) weights or rotations so far, and as tracked.
+        times: (N,) seconds.
+        rows: those n of the N frames that the edit acts on.
+        columns: (K,) of the C.
+    """
+    old = out[rows][:, columns].astype(np.float64)
+    mask = edit.mask(times[rows])[:, None] * min(edit.strength, 1.0)
+    mixed = np.round(old + mask * (new - old), DECIMALS).astype(np.float32)
+    mixed = np.where(mask == 0, old.astype(np.float32), mixed)
+    if edit.op is Op.RESET:  # to the bit
+        recorded = tracked[rows][:, columns]
+        mixed = np.where((mask == 1) | (old == recorded), recorded, mixed)
+    out[rows.start : rows.stop, columns] = mixed
