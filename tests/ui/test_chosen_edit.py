@@ -63,6 +63,12 @@ def test_an_edit_of_the_whole_take_fades_where_it_is_limited(window: MainWindow)
     curves_of(window).fields.fade_out.setValue(0.0)
     drag_on_bar(window, 2.0, 1.8)
     assert session.edits[0].fade_out == 0, "as the user wants it"
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    line.set_falloffs(0.15, 0.25)
+    trigger(window, "fix_smile")
+    list_ = editor_of(window).edits.model
+    assert list_.setData(list_.index(len(session.edits) - 1), (1.0, 2.0), RANGE)
+    assert (session.edits[-1].falloff, session.edits[-1].fade_out) == (0.15, 0.25)
 
 
 def test_the_next_edit_keeps_its_falloff_when_a_fresh_one_is_limited(window: MainWindow) -> None:

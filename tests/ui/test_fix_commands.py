@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QAbstractButton, QMenu, QPushButton, QToolButton
 from support.windows import (
     Bench,
     add_edit,
-    drag_curve,
     editor_of,
     session_of,
     trigger_enabled,
@@ -78,17 +77,18 @@ def test_a_chosen_edit_does_not_catch_fixes_made_elsewhere(window: MainWindow) -
     assert abs(session.edits[1].start - 6.0) < 0.3
 
 
-def test_an_edit_of_one_moment_is_no_range_for_a_smile(window: MainWindow) -> None:
-    """Under its handles, a smile would last for a blink; a longer hold is a range."""
-    session = session_of(window)
-    drag_curve(window, 0, 3.0, 15)
-    assert session.edits[0].start == session.edits[0].end == window.timeline.time
-    trigger_enabled(window, "fix_smile")
+def test_the_range_of_a_chosen_edit_is_no_selection(window: MainWindow) -> None:
+    """Under the handles of what was made last, a smile would last for a blink."""
+    session, line = session_of(window), window.timeline
+    trigger_enabled(window, "fix_close_lips", "fix_smile")
     assert session.edits[1].end - session.edits[1].start > 9
     editor_of(window).edits.select(0)
-    editor_of(window).curves.fields.end.setValue(3.5)
+    editor_of(window).curves.fields.end.setValue(0.5)
     trigger_enabled(window, "fix_smile")
-    assert (session.edits[2].start, session.edits[2].end) == pytest.approx((3.0, 3.5), abs=0.02)
+    assert session.edits[2].end - session.edits[2].start > 9
+    line.select((3.0, 3.5))
+    trigger_enabled(window, "fix_smile", "fix_exaggerate")
+    assert {(edit.start, edit.end) for edit in session.edits[3:]} == {(3.0, 3.5)}
 
 
 def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:

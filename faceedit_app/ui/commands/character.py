@@ -152,7 +152,7 @@ class CharacterCommands:
 
         self._workspace.end_gestures()
         line = self._workspace.timeline
-        start, end = line.range_meant or (0.0, line.duration)
+        start, end = line.own_selection or (0.0, line.duration)
         self._workspace.add_edits((close_between(start, end),), NAME)
 
     # --- the checklist ---------------------------------------------------------------------------

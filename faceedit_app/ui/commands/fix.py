@@ -56,14 +56,14 @@ class FixCommands:
         if session is None:
             return ()
         self._workspace.end_gestures()
-        return apply_preset(session, preset, line.range_meant, line.time, line.falloff)
+        return apply_preset(session, preset, line.own_selection, line.time, line.falloff)
 
     def expression(self) -> None:
         """Show the slider from sad to smiling."""
         if self._document.session is None:
             return
         presets = {preset.id: preset for preset in shipped_presets()}
-        span = self._timeline.range_meant
+        span = self._timeline.own_selection
         where = f"from {self._workspace.shown_range(*span)}" if span else "in the whole take"
         SliderDialog(
             self._workspace.window,

@@ -131,7 +131,7 @@ class WordCommands:
         if session is None:
             return
         self._workspace.end_gestures()
-        edits = closing_edits(session, self._timeline.range_meant)
+        edits = closing_edits(session, self._timeline.own_selection)
         if edits:
             self._workspace.add_edits(edits, "Close lips", counted(len(edits), "closure"))
         else:
@@ -145,7 +145,7 @@ class WordCommands:
         if session is None:
             return
         self._workspace.end_gestures()
-        edits = shaping_edits(session, self._timeline.range_meant)
+        edits = shaping_edits(session, self._timeline.own_selection)
         if edits:
             self._workspace.add_edits(edits, "Shape lips", counted(len(edits), "lip shape"))
         else:
@@ -153,7 +153,7 @@ class WordCommands:
 
     @property
     def _where(self) -> str:
-        return "in the selection" if self._timeline.range_meant is not None else "of the take"
+        return "in the selection" if self._timeline.own_selection is not None else "of the take"
 
     def say_clearly(self) -> None:
         """Show the slider from mumbled to clear."""
@@ -163,7 +163,7 @@ class WordCommands:
         if session is None or words is None:
             return
         self._workspace.end_gestures()
-        meant = self._timeline.range_meant
+        meant = self._timeline.own_selection
         span = meant or (0.0, self._timeline.duration)
         where = f"from {self._workspace.shown_range(*meant)}" if meant else "in the whole take"
         left = End("mumbled", "calm", articulate(session, words, span, -1.0))

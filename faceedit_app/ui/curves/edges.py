@@ -88,25 +88,6 @@ def press_edge(edge: Edge, span: Span, seconds: float, limits: Interval) -> Edge
     return EdgeDrag(edge, span, limits, span, seconds, _place_of(edge, span))
 
 
-def softened(before: Span, span: Span, limits: Interval, falloffs: Interval) -> Span:
-    """A changed span, in which an end that leaves the take's end fades.
-
-    An edit of the whole take needs no falloff; limited to a part of it, it would begin with a jump.
-
-    Args:
-        before: the span before the change.
-        span: the changed span.
-        limits: first and last second of the take.
-        falloffs: seconds of fading in and out.
-    """
-    (first, last), fade_out = limits, span.fade_out
-    if before.falloff == span.falloff == 0 and before.start <= first < span.start:
-        span = replace(span, falloff=falloffs[0], falloff_out=fade_out)
-    if before.fade_out == fade_out == 0 and before.end >= last > span.end:
-        span = replace(span, falloff_out=falloffs[1])
-    return span
-
-
 def _place_of(edge: Edge, span: Span) -> float:
     times = edge_times(span)
     return times.get(edge, span.start)

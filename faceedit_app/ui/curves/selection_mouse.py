@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from PySide6.QtCore import QObject, Signal
 
-from faceedit_app.ui.curves.edges import GRASP, Edge, EdgeDrag, edge_at, press_edge, softened
+from faceedit_app.ui.curves.edges import GRASP, Edge, EdgeDrag, edge_at, press_edge
 from faceedit_app.ui.curves.gestures import Pointer, Span, clamped, span_at
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.state.timeline import Timeline
@@ -142,7 +144,9 @@ class SelectionMouse(QObject):
         line = self._timeline
         if before is None or not line.shows_edit or not line.can_fade:
             return span
-        return softened(before, span, self._limits, line.own_falloffs)
+        was, now = (before.start, before.end), (span.start, span.end)
+        fade_in, fade_out = line.softened(was, now, (span.falloff, span.fade_out))
+        return replace(span, falloff=fade_in, falloff_out=fade_out)
 
     def _show(self, span: Span) -> None:
         self._timeline.set_falloffs(span.falloff, span.fade_out)

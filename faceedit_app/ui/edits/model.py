@@ -19,7 +19,7 @@ from PySide6.QtCore import (
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.fields import clean_text
 from faceedit_app.editing.edits.describe import describe, describe_what
-from faceedit_app.editing.edits.edit import Edit
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.texts import plain_tip
@@ -135,10 +135,7 @@ class EditsModel(QAbstractListModel):
             self._change(row, lambda edit: replace(edit, strength=strength), "Edit strength")
             return True
         if role == RANGE:
-            start, end = value
-            self._change(
-                row, lambda edit: reshaped(edit, start, end, edit.falloff, edit.fade_out), "Range"
-            )
+            self._change(row, lambda edit: self._limited(edit, value), "Range")
             return True
         if role == Qt.ItemDataRole.EditRole and str(value) != self.data(index):
             typed = clean_text(str(value).strip())
@@ -153,6 +150,13 @@ class EditsModel(QAbstractListModel):
             edits[one] = change(edits[one])
         if tuple(edits) != tuple(self.edits):
             self._document.act(lambda session: session.put(edits, name))
+
+    def _limited(self, edit: Edit, hold: tuple[float, float]) -> Edit:
+        """An edit with another hold; where it no longer reaches the take's end, it fades."""
+        fades = edit.falloff, edit.fade_out
+        if edit.op is not Op.RETIME:
+            fades = self._timeline.softened((edit.start, edit.end), hold, fades)
+        return reshaped(edit, *hold, *fades)
 
     def _columns_of(self, row: int) -> tuple[str, str, str]:
         """The columns of a row, for all that it stands for."""

@@ -10,7 +10,6 @@ from faceedit_app.ui.state.clock import Clock
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
 FALLOFF_RANGE = (0.0, 5.0)
-WHOLE = 0.98  # of the take: an edit with such a range is one of the whole take
 
 
 class Timeline(QObject):
@@ -149,27 +148,35 @@ class Timeline(QObject):
 
     @property
     def own_selection(self) -> tuple[float, float] | None:
-        """The selection, if the user made it rather than an edit's hold."""
-        return self.selection if self._is_own or not self.shows_edit else None
+        """The selection, if the user made it rather than an edit's hold; it may be resized since.
 
-    @property
-    def range_meant(self) -> tuple[float, float] | None:
-        """The range for a command that acts in the selection or the whole take; None = all of it.
-
-        That is the selection. The hold of the chosen edit counts only while the playhead is in it,
-        and if it is neither the whole take nor a single moment, in which nothing could be seen.
+        Commands that act in the selection or the whole take act in this one.
         """
-        if self.selection is None or self.own_selection is not None:
-            return self.selection
-        start, end = self.selection
-        is_part = end - start <= WHOLE * self.duration
-        is_range = self.snap(start) < self.snap(end)
-        return self.selection if is_part and is_range and start <= self.time <= end else None
+        return self.selection if self._is_own or not self.shows_edit else None
 
     @property
     def own_falloffs(self) -> tuple[float, float]:
         """The falloffs of the next edit."""
         return self._own or (self.falloff, self.falloff_out)
+
+    def softened(
+        self, was: tuple[float, float], now: tuple[float, float], falloffs: tuple[float, float]
+    ) -> tuple[float, float]:
+        """The falloffs of an edit with another hold, in which an end that leaves the take's fades.
+
+        An edit of the whole take needs no falloff; limited to a part of it, it would begin with a
+        jump.
+
+        Args:
+            was, now: first and last second of its hold, before and after.
+            falloffs: seconds over which it fades in and out so far.
+        """
+        (fade_in, fade_out), own = falloffs, self.own_falloffs
+        if fade_in == 0 and was[0] <= 0.0 < now[0]:
+            fade_in = own[0]
+        if fade_out == 0 and was[1] >= self.snap(self.duration) > now[1]:
+            fade_out = own[1]
+        return fade_in, fade_out
 
     def show_edit(
         self, hold: tuple[float, float], fade_in: float, fade_out: float, can_fade: bool = True
