@@ -17,6 +17,8 @@ from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.steps import EditState, Steps
 from faceedit_app.words.transcript import Transcript
 
+EDITS, MEDIA, WORDS = "edits", "sound and film", "words"  # what a project holds of a take
+
 
 class EditHistory(ABC):
     """The edits of a take, how they came about, and the gesture in progress.
@@ -66,14 +68,24 @@ class EditHistory(ABC):
 
     @property
     def is_saved(self) -> bool:
-        """Whether a project holds the edits, sound and film; an export does not.
+        """Whether a project holds the edits, sound, film and words; an export does not."""
+        return not self.unsaved
+
+    @property
+    def unsaved(self) -> tuple[str, ...]:
+        """What has changed since it was saved: `EDITS`, with their settings, `MEDIA` and `WORDS`.
 
         Without edits there is nothing that the settings could answer, so they can wait.
         """
         state, saved = self.state, self._saved
-        if not state.edits and not saved.edits:
-            saved = replace(saved, settings=state.settings)
-        return state == saved
+        settings_count = bool(state.edits or saved.edits)
+        changed = {
+            EDITS: state.edits != saved.edits
+            or (settings_count and state.settings != saved.settings),
+            MEDIA: state.media != saved.media,
+            WORDS: state.words != saved.words,
+        }
+        return tuple(part for part, has_changed in changed.items() if has_changed)
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""

@@ -127,7 +127,7 @@ DIALOGS: dict[str, Open] = {
     "ask_save_side_by_side": _in_folder("ask_save_side_by_side", "film.mp4"),
     "ask_save_picture": _in_folder("ask_save_picture", "face.png"),
     "ask_preset_name": _asked("ask_preset_name"),
-    "ask_unsaved": _asked("ask_unsaved", "take.csv", "take_edited.csv", True),
+    "ask_unsaved": _asked("ask_unsaved", "Your edits to take.csv are not saved", "They are lost"),
     "ask_changed": _asked("ask_changed", "take.csv"),
     "show_error": _asked("show_error", "take.csv: is empty; choose another"),
     "SliderDialog": _chosen("expression"),

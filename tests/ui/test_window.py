@@ -26,7 +26,9 @@ from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Unsaved
+from faceedit_app.ui.commands.unsaved import question_about
 from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.words.transcript import Transcript, Word
 
 OPENING = CONTROL_INDEX["mouth_opening"]
 
@@ -222,15 +224,40 @@ def test_an_export_is_not_a_saved_project(bench: Bench) -> None:
     answers = [Unsaved.EXPORT, Unsaved.CANCEL]
     asked: list[str] = []
 
-    def ask(_parent: object, _name: str, exported: str, _left_out: bool) -> Unsaved:
-        asked.append(exported)
+    def ask(_parent: object, _message: str, more: str) -> Unsaved:
+        asked.append(more)
         bench.answers["export"] = bench.folder / "again.csv"
         return answers[len(asked) - 1]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(dialogs, "ask_unsaved", ask)
         assert not window.close()
-    assert asked == ["out.csv", "again.csv"]
+    assert asked[0].startswith("out.csv holds the edited take")
+    assert asked[1].startswith("again.csv holds the edited take")
+
+
+def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
+    window = bench.editing()
+    document, session = window.document, session_of(window)
+    session.say(Transcript((Word("blue", 0.1, 0.4),)))
+    assert question_about(document) == (
+        "Your words of take.csv are not saved in a project.",
+        "If you discard them, they are lost.",
+    )
+    trigger(window, "undo")
+    add_edit(window)
+    bench.answers["export"] = bench.folder / "out.csv"
+    trigger(window, "export")
+    add_edit(window, -2.0)
+    assert "out.csv holds the take as you exported it, not as" in question_about(document)[1]
+    trigger(window, "undo")
+    assert "out.csv holds the edited take" in question_about(document)[1]
+    bench.answers["save_project"] = bench.folder / "scene.faceedit"
+    trigger(window, "save")
+    trigger(window, "undo")
+    message, more = question_about(document)
+    assert message == "Your latest changes to take.csv are not saved in scene.faceedit."
+    assert "not as it is now" in more
 
 
 def test_the_recording_is_overwritten_only_after_a_second_step(bench: Bench) -> None:

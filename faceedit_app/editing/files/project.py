@@ -313,7 +313,7 @@ def locate(
             return Located(Whereabouts.FOUND, take, (), "")
     same = find_by_content(wanted, take.name, folders) if wanted is not None else None
     if present and found == exported_over:
-        message = f"{take.name} already holds these edits, because they were exported over it"
+        message = f"{take.name} already holds these edits as they were when you exported over it"
         if same is not None:
             message += f"; {same} is the take without them"
             return Located(Whereabouts.MOVED, same, (), message)

@@ -308,23 +308,8 @@ def ask_preset_name(parent: QWidget) -> str | None:
     return name.strip() if ok and name.strip() else None
 
 
-def ask_unsaved(parent: QWidget, name: str, exported: str = "", left_out: bool = False) -> Unsaved:
-    """What to do with edits before their take is closed.
-
-    Args:
-        name: of the take.
-        exported: the name of the file that it was exported to, if it was.
-        left_out: whether a proposal was open, which is not among the edits.
-    """
-    message = f"Your edits to {name} are not saved in a project."
-    more = "If you discard them, they are lost."
-    if exported:
-        more = (
-            f"{exported} holds the edited take, but the edits themselves can only be changed later "
-            "if you save them in a project."
-        )
-    if left_out:
-        more += " The proposal that you did not accept is not among them."
+def ask_unsaved(parent: QWidget, message: str, more: str = "") -> Unsaved:
+    """What to do with changes before their take is closed; see `unsaved.question_about`."""
     box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
     save = box.addButton("&Save project…", role.AcceptRole)

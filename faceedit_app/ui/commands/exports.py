@@ -84,14 +84,14 @@ class Exports:
         assert session is not None
         self._note_wait()
         document.work_off()
-        take, edited = session.take, session.edited_clip()
+        take, edited, state = session.take, session.edited_clip(), session.state
         page = self._workspace.page
         follows = page is not None and page.face.follows_head
         options = replace(options, follows_head=follows, filled=session.filled_rows())
 
         def done(written: Exported) -> None:
             if document.session is session:
-                document.exported = path
+                document.note_export(path, state)
             self._done(path, left)
             lines = [*written.said("View > Follow the head"), *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)

@@ -239,10 +239,11 @@ class FileCommands:
         document = self._document
         if document.path is None:
             return True
+        from faceedit_app.ui.commands.unsaved import question_about
+
         left_out = bool(self._workspace.end_before_writing())
         while not document.is_clean:
-            exported = document.exported.name if document.exported is not None else ""
-            match dialogs.ask_unsaved(self._window, document.path.name, exported, left_out):
+            match dialogs.ask_unsaved(self._window, *question_about(document, left_out)):
                 case dialogs.Unsaved.EXPORT:
                     if not self.export():
                         return False

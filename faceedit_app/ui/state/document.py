@@ -20,6 +20,7 @@ if TYPE_CHECKING:  # the window is there before the solver and the networks are 
     from faceedit_app.editing.files.journal import Journal
     from faceedit_app.editing.files.project import CharacterFile, ViewState
     from faceedit_app.editing.session import EditSession
+    from faceedit_app.editing.steps import EditState
     from faceedit_app.networks.engine import Engine
 
 _SLICE = 0.02  # seconds
@@ -60,6 +61,7 @@ class Document(QObject):
         self.path: Path | None = None
         self.project_file: KnownFile | None = None
         self.exported: Path | None = None
+        self._exported_state: EditState | None = None
         self.keeps_journal = False
         self.awaits_engine = False  # it is being loaded
         self._journal: Journal | None = None
@@ -85,7 +87,7 @@ class Document(QObject):
             self.session.previewed.disconnect(self._pass_on_preview)
             self.session.changed.disconnect(self._pass_on_change)
         self.session, self.path, self.project_file = session, session.take.path, project
-        self.exported = None
+        self.exported = self._exported_state = None
         session.previewed.connect(self._pass_on_preview)
         session.changed.connect(self._pass_on_change)
         if self.keeps_journal:
@@ -216,8 +218,20 @@ class Document(QObject):
             return None
         self.work_off()
         backup = self.session.export(path, overwrite)
-        self.exported = path
+        self.note_export(path, self.session.state)
         return backup
+
+    def note_export(self, path: Path, state: EditState) -> None:
+        """Remember that a file holds the take with the edits of a state."""
+        self.exported, self._exported_state = path, state
+
+    @property
+    def export_is_current(self) -> bool:
+        """Whether the file that was exported last holds all edits, as they are now."""
+        session, then = self.session, self._exported_state
+        if session is None or then is None:
+            return False
+        return (session.edits, session.settings) == (then.edits, then.settings)
 
     def work_off(self) -> None:
         """Finish the answer to all edits, in slices, so that the window stays responsive.
