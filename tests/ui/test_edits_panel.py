@@ -143,6 +143,7 @@ def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
     panel, session = panel_of(window), session_of(window)
     field = double_click(panel, 1, 20)
     assert isinstance(field, QSpinBox)
+    assert field.lineEdit().width() > field.fontMetrics().horizontalAdvance("150 %"), "to be read"
     field.setValue(60)
     enter(field)
     assert session.edits[1].strength == 0.6

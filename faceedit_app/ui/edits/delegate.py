@@ -203,7 +203,6 @@ class EditsDelegate(QStyledItemDelegate):
         """A number field for the strength, a text field for name and range."""
         if self.edits is Part.STRENGTH:
             box = QSpinBox(parent, maximum=STRONGEST, suffix=" %")
-            box.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
             box.setAccessibleName("Strength")
             return box
         field = QLineEdit(parent)
