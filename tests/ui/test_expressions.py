@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from support.character_files import write_glb
 from support.faces import random_engine
 from support.windows import Bench, session_of
 
+from faceedit_app.characters.fitted import fit
+from faceedit_app.characters.registry import read_character
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.help.poses import has_pose, pose_of
 from faceedit_app.editing.help.presets import shipped_presets
@@ -42,6 +47,19 @@ def test_each_expression_has_a_picture_of_the_face(bench: Bench, window: MainWin
     window.document.use_engine(random_engine())
     bench.qtbot.waitUntil(lambda: palette.is_drawn)
     assert len(bench.renderers[0].calls) >= before + len(palette.buttons), "the networks' faces"
+
+
+def test_a_character_that_arrives_while_pictures_are_drawn_is_in_all_of_them(
+    bench: Bench, window: MainWindow, tmp_path: Path
+) -> None:
+    palette = palette_of(window)
+    bench.qtbot.waitUntil(lambda: palette_of(window).is_drawn)
+    window.document.use_engine(random_engine())  # its pictures are waited for
+    assert not palette.is_drawn
+    window.document.use_character(fit(read_character(write_glb(tmp_path / "head.glb"))))
+    bench.qtbot.waitUntil(lambda: palette.is_drawn)
+    theirs = [size for size, _, _ in bench.renderers[-1].calls if size == (PICTURE, PICTURE)]
+    assert len(theirs) == len(palette.buttons)
 
 
 def test_the_viewport_keeps_its_size_and_picture(bench: Bench, window: MainWindow) -> None:

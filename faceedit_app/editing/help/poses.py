@@ -29,7 +29,7 @@ def has_pose(preset: Preset) -> bool:
 
 
 def pose_of(preset: Preset, session: EditSession, engine: Engine | None) -> Floats:
-    """(K,) weights in the order of the rig: the face at rest with a preset.
+    """(K,) weights in the order of `session.shown_rig`: the face at rest with a preset.
 
     Args:
         preset: one that has a pose.
@@ -42,4 +42,4 @@ def pose_of(preset: Preset, session: EditSession, engine: Engine | None) -> Floa
     rest = EditSession(take, session.rig, engine)
     middle = sum(_HOLD) / 2
     rest.add(*apply_preset(rest, preset, _HOLD, middle))
-    return rest.rig_weights(take.clip.frame_at(middle))
+    return session.shown_rig.from_arkit(rest.weights[take.clip.frame_at(middle)])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QPixmap, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QWidget
@@ -13,6 +15,10 @@ from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import OneClick
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
+
+if TYPE_CHECKING:  # the networks are imported after the window is up
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.networks.engine import Engine
 
 PICTURE = 72  # pixels
 _WIDTH = PICTURE + 20
@@ -30,7 +36,7 @@ class Expressions(QScrollArea):
         self._document, self._viewport = document, viewport
         self._presets = tuple(preset for preset in shipped_presets() if has_pose(preset))
         self._waiting: list[Preset] = []
-        self._drawn_for: object = None
+        self._drawn_for: tuple[Rig, Engine | None] | None = None
         self._next = QTimer(self, singleShot=True, interval=0)  # when no event is waiting
         self._next.timeout.connect(self._draw_next)
         self.buttons = {preset.id: self._button(actions, preset) for preset in self._presets}
@@ -94,9 +100,10 @@ class Expressions(QScrollArea):
         session = self._document.session
         if session is None or not self.isVisible() or not self._viewport.can_draw:
             return
-        wanted = session.rig, self._document.engine
-        if wanted != self._drawn_for:
-            self._drawn_for, self._waiting = wanted, list(self._presets)
+        rig, engine = session.shown_rig, self._document.engine
+        drawn, drawn_engine = self._drawn_for or (None, None)
+        if rig is not drawn or engine is not drawn_engine:
+            self._drawn_for, self._waiting = (rig, engine), list(self._presets)
             self._next.start()
 
     def _draw_next(self) -> None:
