@@ -42,6 +42,9 @@ def test_in_a_low_window_the_lists_leave_their_height_to_the_face(bench: Bench) 
     for _ in range(2):
         trigger(window, "all_channels")
         bench.qtbot.waitUntil(lambda: side.is_folded)
+        panel = editor_of(window).channels
+        assert panel is not None
+        assert panel.search.hasFocus(), "letters find a channel, and are no shortcuts"
         assert side.sizes()[0] > 180
         trigger(window, "all_channels")
         bench.qtbot.waitUntil(lambda: side.sizes() == before)

@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from support.character_files import write_glb
 from support.waiting import run_events
-from support.windows import Bench, session_of, trigger
+from support.windows import Bench, editor_of, session_of, trigger
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Op
@@ -103,6 +103,7 @@ def test_the_chin_opens_the_mouth_downwards_and_moves_the_jaw_sideways(
     (edit,) = session.edits
     assert edit.controls == (control,)
     assert edit.value > 0.5
+    assert editor_of(window).curves.shown.is_unfolded is (control == "jaw_side")
     assert edit.start == session.take.clip.times[frame]
     assert window.timeline.frame == frame
     trigger(window, "undo")

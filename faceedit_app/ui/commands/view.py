@@ -218,8 +218,12 @@ class ViewCommands:
         if self._channels is None:
             panel = page.channels = ChannelsPanel(self._workspace.document, self._timeline)
             self._channels = ChannelsDock(window, page, panel)
-            return
-        self._channels.switch()
+        else:
+            self._channels.switch()
+        if self.shows_channels:
+            self._channels.find()
+        else:
+            page.curves.setFocus()
 
     @property
     def shows_channels(self) -> bool:

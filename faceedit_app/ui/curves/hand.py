@@ -25,6 +25,7 @@ class FaceHand:
         reveal: Callable[[str], None],
     ) -> None:
         self._plots, self._mouse, self._reveal = plots, mouse, reveal
+        self._held = ""  # the control whose curve is to be shown once it is pulled
 
     @property
     def is_held(self) -> bool:
@@ -33,7 +34,7 @@ class FaceHand:
 
     def grab(self, control: str, one_side: bool) -> bool:
         """Take a control at the frame on screen; False if it cannot be edited."""
-        self._reveal(control)
+        self._held = control
         return self._mouse.grab(self._plots[CONTROL_INDEX[control]], one_side)
 
     def probe(self, millimetres: float) -> None:
@@ -46,7 +47,10 @@ class FaceHand:
             self._mouse.session.cancel()
 
     def pull(self, millimetres: float, snap: bool) -> None:
-        """Move by this much since the grab."""
+        """Move by this much since the grab, and show the curve that is edited."""
+        if self._held:  # not before: a chin that is pulled down edits the mouth instead
+            self._reveal(self._held)
+            self._held = ""
         self._mouse.pull(millimetres, snap)
 
     def let_go(self) -> None:

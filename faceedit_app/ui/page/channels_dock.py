@@ -25,19 +25,25 @@ class ChannelsDock(QDockWidget):
         super().__init__("All channels", window)
         self.setObjectName("channels")
         self.setWidget(panel)
-        self._side = page.side
+        self._side, self._search = page.side, panel.search
         page.side.let_fold(True)  # before it takes their height
         self.visibilityChanged.connect(self._share)
         self.topLevelChanged.connect(self._share)
         window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, self)
         height = min(_HEIGHT, round(_MOST * window.height()))
         window.resizeDocks([self], [height], Qt.Orientation.Vertical)
+        self.show()  # at once: what is not visible cannot have the focus
 
     def switch(self) -> None:
         """Show or hide them."""
         is_shown = self.isHidden()
         self._side.let_fold(is_shown and not self.isFloating())
         self.setVisible(is_shown)
+
+    def find(self) -> None:
+        """Let what is typed next find a channel, rather than be a shortcut."""
+        self.activateWindow()  # they may be in a window of their own
+        self._search.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def _share(self) -> None:
         self._side.let_fold(not self.isHidden() and not self.isFloating())
