@@ -120,10 +120,10 @@ class Editor(QWidget):
     def _lay_out_side(self) -> None:
         """What is beside it: film and face, and the lists under them."""
         self.stage = _splitter(Qt.Orientation.Horizontal)
+        self.stage.addWidget(self.film)  # before the lists, which Tab reaches after the face
+        self.stage.addWidget(self.face)
         self.side = SidePane(self.stage, self.lists)
         self.panes.addWidget(self.side)
-        self.stage.addWidget(self.film)
-        self.stage.addWidget(self.face)
         self.lists.setDocumentMode(True)
         self.lists.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.lists.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
