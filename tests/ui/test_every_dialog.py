@@ -17,11 +17,13 @@ from support.waiting import run_events
 from support.windows import Bench
 
 from faceedit_app import ui
+from faceedit_app.ui.look.texts import Message
 
 SMALL = (960, 500)  # pixels: 1920 x 1080 at twice the size, less a title bar
 AROUND = 6  # pixels beside a widget in which its focus may show
 NO_STANDARD = QMessageBox.StandardButton.NoButton
 MOST = 80  # stops of Tab
+LONG = "A message of several lines. " * 10
 NAME = re.compile(r"\b(take|talk|film|head|scan)\w*\.[a-z]\w+")  # of a file in these dialogs
 
 
@@ -110,6 +112,11 @@ def faults(dialog: QDialog) -> list[str]:
         return found
     if isinstance(dialog, QMessageBox):
         found += [f"no letter for {text}" for text in without_letter(dialog)]
+    for message in dialog.findChildren(Message):
+        message.setText(LONG)
+        run_events()
+        if message.height() < message.heightForWidth(message.width()):
+            found.append("a long message is cut")
     reached = stops(dialog)
     found += [f"Tab does not reach {widget}" for widget in not_reached(dialog, reached)]
     found += [

@@ -228,16 +228,17 @@ def test_a_second_window_on_the_take_says_so(bench: Bench) -> None:
     assert "take.csv is also open in another window" in second.banner.text.text()
 
 
-@pytest.mark.parametrize("overwrites", [True, False])
+@pytest.mark.parametrize("answer", Changed)
 def test_a_take_that_another_program_changed_is_not_replaced_silently(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, overwrites: bool
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, answer: Changed
 ) -> None:
     reasons: list[str] = []
+    other = bench.folder / "other.csv"
 
-    def ask(_parent: object, _path: Path, reason: str) -> bool:
+    def ask(_parent: object, _path: Path, reason: str) -> Changed:
         reasons.append(reason)
-        bench.answers["export"] = None  # after a No, the user is asked for another name
-        return overwrites
+        bench.answers["export"] = other  # if another name is asked for
+        return answer
 
     monkeypatch.setattr(dialogs, "ask_overwrite", ask)
     window = bench.editing()
@@ -247,8 +248,10 @@ def test_a_take_that_another_program_changed_is_not_replaced_silently(
     bench.answers["export"] = bench.take
     trigger(window, "export")
     assert reasons == ["has been changed by another program since it was opened"]
-    kept = bench.take.with_name("take.csv.bak") if overwrites else bench.take
+    is_replaced = answer is Changed.REPLACE
+    kept = bench.take.with_name("take.csv.bak") if is_replaced else bench.take
     assert kept.read_bytes() == changed
+    assert other.exists() is (answer is Changed.ELSEWHERE)
 
 
 def test_an_export_waits_for_the_networks(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

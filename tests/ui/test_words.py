@@ -306,13 +306,18 @@ def test_a_file_with_times_needs_no_sound(
     dialog.reject()
 
 
-def test_typed_words_need_a_sound(bench: Bench) -> None:
+def test_typed_words_need_a_sound_and_can_be_corrected_by_keyboard(bench: Bench) -> None:
     window = bench.editing()
     dialog = dialog_of(window)
     dialog.text.setPlainText("hello")
-    dialog.search.click()
+    dialog.activateWindow()
+    bench.qtbot.waitUntil(dialog.isActiveWindow)
+    dialog.search.setFocus()
+    QTest.keyClick(dialog.text, Qt.Key.Key_Return, Qt.KeyboardModifier.ControlModifier)
     wait_for_background(window.workspace.background)
     assert "no sound" in dialog.message.text()
+    assert dialog.text.toPlainText() == "hello"
+    assert dialog.focusWidget() is dialog.text
     dialog.reject()
 
 

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QGridLayout,
     QHBoxLayout,
-    QLabel,
     QProgressBar,
     QPushButton,
     QVBoxLayout,
@@ -26,6 +25,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.scans.steps import EXPRESSIONS, Attempt, ScanSteps
 from faceedit_app.ui.character.points_overlay import PointsOverlay
 from faceedit_app.ui.character.scan_view import Picture, ScanView
+from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.look.widgets import Choice, caption
 from faceedit_app.ui.state.background import Background
 
@@ -71,9 +71,7 @@ class ScanDialog(QDialog):
         for box in self.parts.values():
             box.setChecked(True)
             box.toggled.connect(self._redraw)
-        self.status = QLabel()
-        self.status.setTextFormat(Qt.TextFormat.PlainText)
-        self.status.setWordWrap(True)
+        self.status = Message()
         self.busy = QProgressBar()
         self.busy.setRange(0, 0)
         self.busy.setTextVisible(False)

@@ -44,7 +44,7 @@ class Unsaved(Enum):
 
 
 class Changed(Enum):
-    """What to do if another program has changed a file that is about to be replaced."""
+    """What to do if a file that is about to be replaced holds more than this take's work."""
 
     REPLACE = auto()
     ELSEWHERE = auto()
@@ -161,8 +161,8 @@ def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
     box.open()
 
 
-def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
-    """Whether to replace a recording.
+def ask_overwrite(parent: QWidget, path: Path, reason: str) -> Changed:
+    """Whether to replace a recording, or to ask for another name.
 
     Args:
         reason: why it should be kept, as a phrase that follows its name.
@@ -174,7 +174,9 @@ def ask_overwrite(parent: QWidget, path: Path, reason: str) -> bool:
     )
     other = box.addButton("&Choose another name…", QMessageBox.ButtonRole.AcceptRole)
     overwrite = box.addButton("&Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
-    return _insists(box, overwrite, other)
+    box.setDefaultButton(other)
+    choices = {other: Changed.ELSEWHERE, overwrite: Changed.REPLACE}
+    return _choice(box, choices, Changed.CANCEL)
 
 
 def ask_save_project(parent: QWidget, suggestion: Path) -> Path | None:

@@ -119,8 +119,9 @@ class Exports:
             reason = self._why_keep(path)
             if not reason:
                 return path, False
-            if dialogs.ask_overwrite(window, path, reason):
-                return path, True
+            answer = dialogs.ask_overwrite(window, path, reason)
+            if answer is not dialogs.Changed.ELSEWHERE:
+                return (path, True) if answer is dialogs.Changed.REPLACE else None
         return None
 
     def _note_wait(self) -> None:

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.edits.preview_dialog import PreviewDialog
 from faceedit_app.ui.look.number import NumberBox
-from faceedit_app.ui.look.texts import plain_label
+from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.state.document import Document
 
 if TYPE_CHECKING:
@@ -93,8 +93,7 @@ class RetimeDialog(PreviewDialog):
         self.number = _spin_box(asked.number)
         self.option = QCheckBox(asked.option)
         self.option.setVisible(bool(asked.option))
-        self.message = plain_label()
-        self.message.setWordWrap(True)
+        self.message = Message()
         self.message.setMinimumWidth(360)
         buttons = QDialogButtonBox(
             QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 
-from PySide6.QtGui import Qt
+from PySide6.QtGui import QResizeEvent, Qt
 from PySide6.QtWidgets import QLabel
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -15,6 +15,32 @@ def plain_label(text: str = "") -> QLabel:
     label = QLabel(text)
     label.setTextFormat(Qt.TextFormat.PlainText)
     return label
+
+
+class Message(QLabel):
+    """A plain text of as many lines as it needs.
+
+    A window grows if a longer text has no room in it. Qt measures that only when it opens.
+    """
+
+    def __init__(self, text: str = "") -> None:
+        super().__init__(text)
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setWordWrap(True)
+
+    def setText(self, text: str) -> None:
+        """Show another text."""
+        super().setText(text)
+        if self.isVisible():
+            self._make_room()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Make room for the lines of another width."""
+        super().resizeEvent(event)
+        self._make_room()
+
+    def _make_room(self) -> None:
+        self.setMinimumHeight(self.heightForWidth(self.width()))
 
 
 def plain_tip(text: str) -> str:

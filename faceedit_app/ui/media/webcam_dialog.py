@@ -25,7 +25,7 @@ from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.errors import FaceEditError, Unavailable
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
-from faceedit_app.ui.look.texts import plain_label
+from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Choice
 
@@ -134,8 +134,7 @@ class WebcamDialog(QDialog):
         self.choice.currentIndexChanged.connect(self._look)
         self.sound = QCheckBox("Record the sound of the microphone")
         self.sound.setChecked(True)
-        self.status = plain_label("Waiting for the webcam…")
-        self.status.setWordWrap(True)
+        self.status = Message("Waiting for the webcam…")
         self.button = QPushButton("Record")
         self.button.setDefault(True)
         self.button.setEnabled(False)

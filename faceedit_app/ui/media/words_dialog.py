@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QCloseEvent
+from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QCheckBox,
     QDialog,
@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.ui.look.texts import plain_label
+from faceedit_app.ui.look.texts import Message, plain_label
 from faceedit_app.ui.state.background import Background
 from faceedit_app.words import aligning, files, imported
 from faceedit_app.words.denoising import Stopped
@@ -111,11 +111,13 @@ class WordsDialog(QDialog):
         self.progress = QProgressBar()
         self.progress.setRange(0, _STEPS)
         self.progress.setTextVisible(False)
-        self.message = plain_label()
-        self.message.setWordWrap(True)
+        self.message = Message()
         self.search = QPushButton("&Find times")
         self.search.setDefault(True)
         self.search.clicked.connect(self.start)
+        self.search.setToolTip("Ctrl+Enter starts it from the text")
+        for keys in ("Ctrl+Return", "Ctrl+Enter"):  # Enter alone begins a line
+            QShortcut(QKeySequence(keys), self).activated.connect(self.search.click)
         buttons = QDialogButtonBox()
         role = QDialogButtonBox.ButtonRole
         self.open_file = buttons.addButton("O&pen…", role.ActionRole)
@@ -243,6 +245,7 @@ class WordsDialog(QDialog):
     def _failed(self, error: Exception) -> None:
         self._job = None
         self._show_state()
+        self.text.setFocus()  # the button that had the focus lost it while it was off
         if isinstance(error, Stopped):
             self.message.setText("Cancelled.")
         elif isinstance(error, FaceEditError):

@@ -19,6 +19,7 @@ from faceedit_app.editing.exporting import Options, OutFormat, out_formats, own_
 from faceedit_app.formats.rates import COMMON_RATES
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
+from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.look.widgets import Choice
 
 _OWN_CHARACTER = "FaceEdit's own, as on screen"
@@ -52,9 +53,7 @@ class ExportDialog(QDialog):
         self.compact = QCheckBox("S&maller file: weights in steps of 1/65535")
         form.addRow("", self.compact)
         column.addLayout(form)
-        self.hints = QLabel()
-        self.hints.setTextFormat(Qt.TextFormat.PlainText)
-        self.hints.setWordWrap(True)
+        self.hints = Message()
         self.hints.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         column.addWidget(self.hints, stretch=1)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)

@@ -7,7 +7,6 @@ from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
-    QLabel,
     QLineEdit,
     QSpinBox,
     QVBoxLayout,
@@ -15,6 +14,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.live.protocols import LOOPBACK, PROTOCOLS, Protocol, own_address
+from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.look.widgets import Choice
 
 
@@ -55,9 +55,7 @@ class _AddressDialog(QDialog):
         self.port_box.setRange(1, 65535)
         self.form.addRow("P&ort", self.port_box)
         column.addLayout(self.form)
-        self.hint = QLabel()
-        self.hint.setTextFormat(Qt.TextFormat.PlainText)
-        self.hint.setWordWrap(True)
+        self.hint = Message()
         column.addWidget(self.hint)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
         buttons.addButton(button, QDialogButtonBox.ButtonRole.AcceptRole).setDefault(True)
