@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QScrollArea,
+    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -23,7 +24,7 @@ from faceedit_app.ui.look.texts import sentence
 from faceedit_app.ui.look.widgets import resize_on_screen
 
 _SIZE = (760, 640)
-_NOTES_HEIGHT = 130
+_NOTES_HEIGHT = 130  # pixels at most; more notes are scrolled
 _POINTS = "The control points are shown on the face: drag one to correct it."
 _NO_FACE = "Open a take to see the character and its control points."
 _TABLE = (
@@ -58,10 +59,7 @@ class CharacterChecklist(QDialog):
         self.table = ShapeTable(self._model)
         self.only_noted = QCheckBox("Only channels with a note")
         self.only_noted.toggled.connect(self._refresh)
-        self._notes_area = notes = QScrollArea()
-        notes.setWidget(self._notes)
-        notes.setWidgetResizable(True)
-        notes.setFixedHeight(_NOTES_HEIGHT)
+        self._notes_area = notes = _Notes(self._notes)
         self._hint = _text()
         self._hint.setObjectName("caption")
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
@@ -135,6 +133,25 @@ class CharacterChecklist(QDialog):
         """Say that it was closed."""
         super().hideEvent(event)
         self.closed.emit()
+
+
+class _Notes(QScrollArea):
+    """Notes that take as much of the height as they need, which leaves the rest to the table."""
+
+    def __init__(self, notes: QLabel) -> None:
+        super().__init__()
+        self._notes = notes
+        self.setWidget(notes)
+        self.setWidgetResizable(True)
+        self.setMinimumHeight(0)
+        policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+
+    def heightForWidth(self, width: int) -> int:
+        """Pixels that the notes need, up to a limit."""
+        frame = 2 * self.frameWidth()
+        return min(self._notes.heightForWidth(width - frame) + frame, _NOTES_HEIGHT)
 
 
 def _text() -> QLabel:

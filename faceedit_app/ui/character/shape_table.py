@@ -66,7 +66,7 @@ class ShapeModel(QAbstractTableModel):
         self._levels = dict(character.mapping.levels)
         self._notes = dict.fromkeys(check.missing, "missing")
         self._notes |= dict.fromkeys(check.several, "made of several")
-        self._notes |= dict.fromkeys(check.dead, "moves nothing that can be seen")
+        self._notes |= dict.fromkeys(check.dead, "moves nothing")
         noted = tuple(c for c in ARKIT_CHANNELS if c in self._notes)
         others = tuple(c for c in ARKIT_CHANNELS if c not in self._notes)
         self._channels = noted if only_noted else noted + others

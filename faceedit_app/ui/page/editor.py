@@ -212,6 +212,7 @@ class Editor(QWidget):
                 " follows, and the rest of the take stays as it was. Esc cancels a drag;"
                 " Ctrl+Z undoes it.",
                 (self.curves,),
+                (self.face,),
             ),
             Step(
                 "2  Or let FaceEdit do it",

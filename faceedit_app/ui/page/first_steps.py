@@ -36,11 +36,13 @@ class Step:
         title, text: its heading and body.
         targets: the widgets that it explains, which can be used meanwhile; hidden ones do not
             count.
+        shown: widgets in which people see what that does: they are not darkened either.
     """
 
     title: str
     text: str
     targets: tuple[QWidget, ...]
+    shown: tuple[QWidget, ...] = ()
 
 
 class HintLayer(QWidget):
@@ -85,7 +87,8 @@ class HintLayer(QWidget):
         column.addWidget(self.text)
         column.addSpacing(GAP // 2)
         column.addLayout(row)
-        for watched in {parent, *(target for step in self._steps for target in step.targets)}:
+        lit = (part for step in self._steps for part in (*step.targets, *step.shown))
+        for watched in {parent, *lit}:
             watched.installEventFilter(self)
         self.hide()
 
@@ -137,37 +140,47 @@ class HintLayer(QWidget):
         self.next_button.setText("Start editing" if is_last else "Next")
         self.skip_button.setVisible(not is_last)
         self.card.adjustSize()
-        hole = self._hole()
-        self.card.move(self._place(hole))
+        hole, shown = self._hole(), self._shown()
+        self.card.move(self._place(hole, shown))
         # Without this the layer would take the mouse from what the card tells people to use.
-        self.setMask(QRegion(self.rect()) - QRegion(hole) + QRegion(self.card.geometry()))
+        lit = QRegion(hole) + QRegion(shown)
+        self.setMask(QRegion(self.rect()) - lit + QRegion(self.card.geometry()))
         self.update()
 
     def _hole(self) -> QRect:
         """The part of the window that the step explains."""
-        hole = QRect()
-        for target in self._steps[self.step].targets:
-            if target.isVisible():
-                place = target.mapTo(self._parent, QPoint(0, 0))
-                hole = hole.united(QRect(place, target.size()))
-        return hole.intersected(self.rect())
+        return self._around(self._steps[self.step].targets)
 
-    def _place(self, hole: QRect) -> QPoint:
-        """Beside the hole, else below or above it, where the card covers least of it."""
+    def _shown(self) -> QRect:
+        """The part of the window in which people see what they do."""
+        return self._around(self._steps[self.step].shown)
+
+    def _around(self, parts: Sequence[QWidget]) -> QRect:
+        around = QRect()
+        for part in parts:
+            if part.isVisible():
+                place = part.mapTo(self._parent, QPoint(0, 0))
+                around = around.united(QRect(place, part.size()))
+        return around.intersected(self.rect())
+
+    def _place(self, hole: QRect, shown: QRect) -> QPoint:
+        """Beside the hole, else below or above it or what is shown, where the card covers least."""
         card, room = self.card.size(), self.rect().adjusted(8, 8, -8, -8)
         middle = hole.center().y() - card.height() // 2
         right, bottom = room.right() + 1 - card.width(), room.bottom() + 1 - card.height()
 
         def covered(place: QPoint) -> int:
-            both = QRect(place, card) & hole
-            return both.width() * both.height() if not both.isEmpty() else 0
+            both = (QRect(place, card) & part for part in (hole, shown))
+            return sum(part.width() * part.height() for part in both if not part.isEmpty())
 
-        places = (
+        places = [
             QPoint(hole.right() + _APART, middle),
             QPoint(hole.left() - _APART - card.width(), middle),
-            QPoint(hole.left(), hole.bottom() + _APART),
-            QPoint(hole.left(), hole.top() - _APART - card.height()),
-        )
+        ]
+        for part in (hole, shown):
+            if not part.isEmpty():
+                places.append(QPoint(part.left(), part.bottom() + _APART))
+                places.append(QPoint(part.left(), part.top() - _APART - card.height()))
         inside = [
             QPoint(max(min(place.x(), right), room.left()), max(min(place.y(), bottom), room.top()))
             for place in places
@@ -194,13 +207,14 @@ class HintLayer(QWidget):
 
     @guarded
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Darken all but the hole."""
+        """Darken all but the hole and what is shown."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         hole = QRectF(self._hole()).adjusted(-3, -3, 3, 3)
-        shade, inner = QPainterPath(), QPainterPath()
+        shade, inner, shown = QPainterPath(), QPainterPath(), QPainterPath()
         shade.addRect(QRectF(self.rect()))
         inner.addRoundedRect(hole, 6, 6)
-        painter.fillPath(shade.subtracted(inner), QColor(0, 0, 0, _SHADE))
+        shown.addRect(QRectF(self._shown()))
+        painter.fillPath(shade.subtracted(inner).subtracted(shown), QColor(0, 0, 0, _SHADE))
         painter.setPen(QPen(QColor(ACCENT), 2))
         painter.drawPath(inner)
