@@ -5,15 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from faceedit_app.batch.tasks import Outcome, Task
+from faceedit_app.batch.tasks import LOG, Outcome, Task, sha256_of
 from faceedit_app.core.errors import FileError
-from faceedit_app.editing.files.fingerprint import fingerprint
-
-LOG = "faceedit_batch.jsonl"
 
 
 class Log:
@@ -24,7 +21,7 @@ class Log:
         self.path = folder / LOG
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._file = self.path.open("a+", encoding="utf-8")
+            self._file = self.path.open("a+", encoding="utf-8", errors="replace")
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             raise FileError(folder, f"cannot be written ({reason})", "choose another") from error
@@ -33,14 +30,14 @@ class Log:
         """The last outcome of each take, by name; a line cut off by a crash is left out."""
         return {outcome.name: outcome for outcome in self._all()}
 
-    def written(self) -> set[str]:
-        """All files that were ever written, see `Outcome.written`."""
-        return {outcome.written for outcome in self._all() if outcome.written}
+    def written(self) -> set[tuple[str, str]]:
+        """All files that were ever written, see `Outcome.written`, each with its SHA-256."""
+        return {(one.written, one.made) for one in self._all() if one.written and one.made}
 
     def _all(self) -> Iterator[Outcome]:
         self._file.seek(0)
         for line in self._file:
-            with suppress(ValueError, TypeError):
+            with suppress(ValueError, TypeError, AttributeError):
                 entry = json.loads(line)
                 lists: dict[str, Any] = {
                     k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()
@@ -65,17 +62,32 @@ class Log:
         self._file.close()
 
 
-def to_do(tasks: Iterable[Task], done: dict[str, Outcome]) -> list[Task]:
-    """The tasks without a good outcome for the same source and the same recipe."""
+def to_do(tasks: Iterable[Task], log: Log) -> list[Task]:
+    """The tasks without a good outcome for the same source and the same recipe.
 
-    def is_done(task: Task) -> bool:
+    Results are looked at: one that somebody removed or changed since is made again.
+    """
+    done, ours = log.outcomes(), log.written()
+    left = []
+    for task in tasks:
         outcome = done.get(task.name)
-        return (
+        there = sha256_of(task.output) if task.output.is_file() else None
+        again = ""
+        if (
             outcome is not None
             and not outcome.error
             and outcome.digest == task.recipe.digest
-            and task.output.is_file()
-            and outcome.sha256 == fingerprint(task.source).sha256
-        )
+            and outcome.sha256 == sha256_of(task.source)
+        ):
+            if there is not None and there == outcome.made:
+                continue
+            again = _since(outcome, there)
+        left.append(replace(task, is_ours=(task.result, there) in ours, again=again))
+    return left
 
-    return [task for task in tasks if not is_done(task)]
+
+def _since(outcome: Outcome, there: str | None) -> str:
+    """Why a result is made again: what happened to it since it was written."""
+    if there is None:
+        return "was removed"
+    return "was changed" if outcome.made else ""  # an older log does not say what was written

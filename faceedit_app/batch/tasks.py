@@ -20,6 +20,7 @@ from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.originals import Kept
 from faceedit_app.formats.registry import no_takes_below, takes_below
 
+LOG = "faceedit_batch.jsonl"  # in the folder of the results
 _OTHER_FOLDER = "choose another folder for the results"
 _POINTS = 120  # of the small curve of a take
 
@@ -33,8 +34,9 @@ class Task:
         source, output: the file to read, and the file to write.
         recipe: what to do.
         written: the path of `output` in the folder of the results, with slashes; "" = its name.
-        is_ours: whether a file that is there was written by this batch; of any other, a copy is
+        is_ours: whether a file that is there is as this batch wrote it; of any other, a copy is
             kept.
+        again: what happened to a result that is made again, such as `was removed`.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Task:
     recipe: Recipe
     written: str = ""
     is_ours: bool = False
+    again: str = ""
 
     @property
     def result(self) -> str:
@@ -64,6 +67,8 @@ class Outcome:
         problems, left: how many problems it had, and has now.
         tracked, edited: the opening of the mouth in mm, a small curve each.
         backup: the path there of the copy of a file that it replaced; "" if there was none.
+        made: the SHA-256 of the file that was written.
+        again: what happened to an earlier result, so that this one was made.
     """
 
     name: str
@@ -79,6 +84,8 @@ class Outcome:
     tracked: tuple[float, ...] = ()
     edited: tuple[float, ...] = ()
     backup: str = ""
+    made: str = ""
+    again: str = ""
 
 
 def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
@@ -144,10 +151,18 @@ def skipped(source: Path, output: Path) -> list[Skipped]:
     ]
 
 
+def sha256_of(path: Path) -> str:
+    """The SHA-256 of a file's content; "" if it cannot be read."""
+    try:
+        return fingerprint(path).sha256
+    except FileError:
+        return ""
+
+
 def perform(task: Task) -> Outcome:
     """Do a task; never raises, so that one bad file stops nothing."""
     recipe = task.recipe
-    outcome = Outcome(task.name, digest=recipe.digest)
+    outcome = Outcome(task.name, digest=recipe.digest, again=task.again)
     try:
         outcome = replace(outcome, sha256=fingerprint(task.source).sha256)
         models = None if recipe.models is None else Path(recipe.models)
@@ -176,6 +191,7 @@ def perform(task: Task) -> Outcome:
             tracked=_small(take.curve(LIP_OPENING, tracked=True)),
             edited=_small(take.curve(LIP_OPENING)),
             backup="" if backup is None else str(PurePosixPath(task.result).with_name(backup.name)),
+            made=fingerprint(task.output).sha256,
         )
     except FileError as error:  # --fps is the rate to write here
         remedy = error.remedy.replace("fps=", "--take-fps ")
@@ -196,7 +212,8 @@ def _export(take: api.Take, task: Task) -> tuple[exporting.Exported, Path | None
     folder, recipe = task.output.parent, task.recipe
     folder.mkdir(parents=True, exist_ok=True)
     before = os.listdir(folder)
-    backup = None if task.is_ours or not task.output.is_file() else keep_backup(task.output)
+    is_lost = not task.is_ours and task.output.is_file() and task.output.stat().st_size > 0
+    backup = keep_backup(task.output) if is_lost else None
     is_needed = False
     try:
         form = recipe.form or None

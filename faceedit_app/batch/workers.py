@@ -6,7 +6,6 @@ import multiprocessing
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import replace
 
 from faceedit_app.batch.log import Log, to_do
 from faceedit_app.batch.tasks import Outcome, Task, perform
@@ -84,9 +83,7 @@ def run(
         scheduler: the address of a Dask scheduler to use instead.
         progress: called with each new outcome, how many there are now, and how many there will be.
     """
-    outcomes = log.outcomes()
-    ours = log.written()
-    left = [replace(task, is_ours=task.result in ours) for task in to_do(tasks, outcomes)]
+    outcomes, left = log.outcomes(), to_do(tasks, log)
     done = len(tasks) - len(left)
     found = run_on_cluster(left, scheduler) if scheduler else run_here(left, jobs)
     for outcome in found if left else ():

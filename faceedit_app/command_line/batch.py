@@ -57,8 +57,8 @@ def batch(
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.
 
     Writes faceedit_report.csv and .html beside the results. The exit code is 1 if a take failed;
-    files that are no takes are skipped and reported. A file in the results' folder that no batch
-    wrote there is kept as NAME.bak.
+    files that are no takes are skipped and reported. A result that was removed or changed since is
+    made again; a file there that is not as a batch wrote it is kept as NAME.bak.
     With --character, lips and lids also close on that character; --format glb writes the character.
     """
     from faceedit_app.batch.log import Log
@@ -104,8 +104,11 @@ def _worked_on(
                 advance(done)
                 if not quiet:
                     said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
-                    kept = f"; the file that was there is now {outcome.backup}"
-                    say(f"[{done}/{of}] {outcome.name}: {said}{kept if outcome.backup else ''}")
+                    if outcome.again:
+                        said += f"; made again, because the result {outcome.again}"
+                    if outcome.backup:
+                        said += f"; the file that was there is now {outcome.backup}"
+                    say(f"[{done}/{of}] {outcome.name}: {said}")
 
             return run(tasks, log, jobs, scheduler, report)
     finally:

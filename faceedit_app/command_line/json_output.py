@@ -77,6 +77,7 @@ def batch_facts(
                 "path": str(output / one.written) if one.written and not one.error else None,
                 "error": one.error or None,
                 "backup": str(output / one.backup) if one.backup else None,
+                "made_again": one.again or None,
                 "frames": one.frames,
                 "changed_frames": one.changed,
                 "duration_s": one.seconds,

@@ -17,10 +17,10 @@ from support.places import ROOT
 from support.takes import make_livelink_csv, make_plain_csv
 
 from faceedit_app.batch import workers
-from faceedit_app.batch.log import LOG, Log, to_do
+from faceedit_app.batch.log import Log, to_do
 from faceedit_app.batch.recipe import Recipe, parse_recipe
 from faceedit_app.batch.report import write_reports
-from faceedit_app.batch.tasks import Outcome, Task, perform, plan
+from faceedit_app.batch.tasks import LOG, Outcome, Task, perform, plan
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.files.project import Project, write_project
@@ -126,7 +126,7 @@ def test_a_stop_loses_nothing(takes: Path, tmp_path: Path, models: str) -> None:
     assert seen == ["day 2/b.csv"]
     assert [one.name for one in outcomes] == ["a.csv", "day 2/b.csv"]
     log = Log(tmp_path / "out")
-    assert to_do(tasks, log.outcomes()) == []
+    assert to_do(tasks, log) == []
     log.close()
 
 
