@@ -65,11 +65,14 @@ def parse_recipe(text: str) -> Recipe:
         FaceEditError: it is none of these.
     """
     if text.startswith(_FIX):
+        known = ", ".join(api.FIXES)
         kinds = tuple(kind.strip() for kind in text.removeprefix(_FIX).split(",") if kind.strip())
         for kind in kinds:
             if kind not in api.FIXES:
-                raise FaceEditError(f"{text}: {kind} must be one of {', '.join(api.FIXES)}")
-        return Recipe(fixes=kinds or tuple(api.FIXES))
+                raise FaceEditError(f"{text}: {kind} must be one of {known}")
+        if not kinds:
+            raise FaceEditError(f"{text} names nothing to fix; give one or more of {known}")
+        return Recipe(fixes=kinds)
     if text == "none":
         return Recipe()
     if Path(text).suffix.lower() == ".json":

@@ -8,7 +8,7 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from faceedit_app.batch.tasks import Outcome, Skipped
+from faceedit_app.batch.tasks import REPORT, Outcome, Skipped
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.formats.timing import counted
 
@@ -46,7 +46,7 @@ def write_reports(
     Raises:
         FileError: they cannot be written.
     """
-    table, page = folder / "faceedit_report.csv", folder / "faceedit_report.html"
+    table, page = folder / f"{REPORT}.csv", folder / f"{REPORT}.html"
     write_atomically(table, _table(outcomes, skipped).encode())
     write_atomically(page, _page(outcomes, skipped).encode())
     return table, page
@@ -55,9 +55,11 @@ def write_reports(
 def summary(outcomes: Sequence[Outcome], skipped: Sequence[Skipped] = ()) -> str:
     """One line: how many takes went well, how many did not, and how many files are none."""
     failed = sum(1 for outcome in outcomes if outcome.error)
-    fixed = sum(outcome.problems - outcome.left for outcome in outcomes)
-    takes = "1 take" if len(outcomes) == 1 else f"{len(outcomes)} takes"
-    written = f"{takes}: {len(outcomes) - failed} written, {failed} failed; {fixed} problems fixed"
+    fixed = sum(max(outcome.problems - outcome.left, 0) for outcome in outcomes)
+    new = sum(max(outcome.left - outcome.problems, 0) for outcome in outcomes)
+    takes = f"{counted(len(outcomes), 'take')}: {len(outcomes) - failed} written, {failed} failed"
+    written = f"{takes}; {counted(fixed, 'problem')} fixed"
+    written += f", {new} new" if new else ""
     return f"{written}; {counted(len(skipped), 'other file')} skipped" if skipped else written
 
 

@@ -21,7 +21,10 @@ from faceedit_app.editing.files.originals import Kept
 from faceedit_app.formats.registry import no_takes_below, takes_below
 
 LOG = "faceedit_batch.jsonl"  # in the folder of the results
+REPORT = "faceedit_report"  # there as well, as CSV and as HTML
 _OTHER_FOLDER = "choose another folder for the results"
+_OTHER_BATCH = "holds the results of another batch; to work on them, give this folder"
+_OWN = "is a report of FaceEdit; the takes beside it are worked on"
 _POINTS = 120  # of the small curve of a take
 
 
@@ -100,9 +103,15 @@ def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
     results = Path(os.path.realpath(output))  # Path.resolve() raises if links go round in a circle
     if os.path.realpath(source) == str(results):
         raise FileError(output, "is the folder of the takes", "choose another folder for results")
-    found = [p for p in takes_below(source) if results not in Path(os.path.realpath(p)).parents]
+    others = skipped(source, output)
+    left_out = {source / other.name for other in others}
+    found = [
+        path
+        for path in takes_below(source)
+        if results not in Path(os.path.realpath(path)).parents
+        and not left_out.intersection((path, *path.parents))
+    ]
     if not found:
-        others = skipped(source, output)
         such = f" (one of {len(others)} files that are none: {others[0].name})" if others else ""
         raise FileError(source, f"holds no takes{such}", "choose another folder")
     ending = exporting.choose(Path(), recipe.form).ending if recipe.form else ""
@@ -130,7 +139,7 @@ def _keep_what_is_read(targets: Iterable[Path], takes: Iterable[Path], recipe: R
 
 @dataclass(frozen=True)
 class Skipped:
-    """A file that ends like a take and is none.
+    """A file that ends like a take and is none, or a folder with the results of another batch.
 
     Attributes:
         name: its path in the input folder, with slashes.
@@ -142,12 +151,21 @@ class Skipped:
 
 
 def skipped(source: Path, output: Path) -> list[Skipped]:
-    """The files in a folder that `plan` leaves out although they end like takes."""
+    """The files in a folder that `plan` leaves out although they end like takes.
+
+    Of a folder below it with the results of another batch, only the folder is named.
+    """
     results = Path(os.path.realpath(output))
+    batches = {path.parent for path in source.rglob(LOG)} - {source}
+    found = [(path, _OTHER_BATCH) for path in batches if not batches.intersection(path.parents)]
+    for path, reason in no_takes_below(source):
+        if not batches.intersection(path.parents):
+            is_own = path.name in (LOG, f"{REPORT}.csv")
+            found.append((path, _OWN if is_own else reason))
     return [
         Skipped(path.relative_to(source).as_posix(), reason)
-        for path, reason in no_takes_below(source)
-        if results not in Path(os.path.realpath(path)).parents
+        for path, reason in sorted(found)
+        if results not in (there := Path(os.path.realpath(path))).parents and results != there
     ]
 
 

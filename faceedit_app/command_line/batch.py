@@ -65,9 +65,13 @@ def batch(
     from faceedit_app.batch.recipe import parse_recipe
     from faceedit_app.batch.report import summary, write_reports
     from faceedit_app.batch.tasks import plan, skipped
+    from faceedit_app.formats.opening import checked_rate
 
     if fps is not None and form is None:
         raise FaceEditError("--fps needs --format")
+    for rate in (fps, take_fps):
+        if rate is not None:
+            checked_rate(source, rate)
     recipe = replace(
         parse_recipe(what),
         form=form or "",

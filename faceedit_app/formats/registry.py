@@ -138,18 +138,23 @@ FORMATS: tuple[Format, ...] = (
 # fmt: on
 
 
+class NotTake(FileError):
+    """A file that can be read, and is something other than a take."""
+
+
 def recognise(path: Path, content: bytes) -> Format:
     """Recognise the format of a file by its content.
 
     Raises:
-        FileError: it is not a take; the text says what it is instead, if known.
+        NotTake: it is not a take; the text says what it is instead, if known.
+        FileError: it is damaged, or names channels almost as a take does.
     """
     found = find_format(content)
     if found is not None:
         return found
     foreign = recognise_foreign(content)
     if foreign is not None:
-        raise FileError(path, foreign.problem, foreign.remedy)
+        raise NotTake(path, foreign.problem, foreign.remedy)
     check_text(path, content)
     line = 1 + next(
         k for k, text in enumerate(content.removeprefix(BOM).splitlines()) if text.strip()
@@ -158,7 +163,7 @@ def recognise(path: Path, content: bytes) -> Format:
         if meant := similar_channel(name, ARKIT_CHANNELS):
             problem = f'holds no ARKit channel, but "{shown(name)}"'
             raise FileError(path, problem, f"if {meant} is meant, correct the name", line)
-    raise FileError(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
+    raise NotTake(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
 
 
 def find_format(content: bytes) -> Format | None:
@@ -190,16 +195,15 @@ def takes_below(folder: Path) -> list[Path]:
 def no_takes_below(folder: Path) -> list[tuple[Path, str]]:
     """The files below a folder that end like takes and are none, each with what is wrong with it.
 
-    A CSV counts as a take, see `takes_below`.
+    A CSV that is damaged is not among them: it may have been a take.
     """
     found = []
     for path in sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings()):
-        if path.suffix.lower() == ".csv":
-            continue
         try:
             recognise(path, as_utf8(read_bytes(path))[0])
         except FileError as error:
-            found.append((path, f"{error.problem}; {error.remedy}"))
+            if isinstance(error, NotTake) or path.suffix.lower() != ".csv":
+                found.append((path, f"{error.problem}; {error.remedy}"))
     return found
 
 

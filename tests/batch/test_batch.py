@@ -272,6 +272,8 @@ def _ends_at_bad(task: Task) -> Outcome:
     [
         (["grimace", "takes"], "no such preset"),
         (["blink", "takes"], "acts at a place"),
+        (["fix:", "takes"], "fix: names nothing to fix; give one or more of lips, blinks"),
+        (["none", "takes", "--format", "glb", "--fps", "1e9"], "give 1 to 1000"),
         (["fix:teeth", "takes"], "teeth must be one of lips, blinks, shaking, gaps"),
         (["nowhere.json", "takes"], "nowhere.json"),
         (["none", "nowhere"], "is not a folder"),

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from support.takes import make_livelink_csv
 
-from faceedit_app.batch.tasks import LOG
+from faceedit_app.batch.report import summary
+from faceedit_app.batch.tasks import LOG, Outcome
 from faceedit_app.cli import main
 
 Batch = Callable[..., tuple[int, str]]
@@ -74,3 +75,24 @@ def test_a_log_that_does_not_say_what_was_written_is_not_trusted(
     assert code == 0
     assert "now a.csv.bak" in said
     assert [path.read_text() for path in (tmp_path / "out").glob("*.bak")] == ["mine"]
+
+
+def test_what_earlier_batches_wrote_is_not_taken_for_takes(batch: Batch, tmp_path: Path) -> None:
+    batch("none", out="takes/earlier")
+    (tmp_path / "takes" / "prices.csv").write_text("item,price\nbread,2\n")
+    (tmp_path / "takes" / "empty.csv").touch()  # may have been a take
+    code, said = batch("none")
+    assert code == 1
+    assert "empty.csv: is empty" in said
+    assert "skipped earlier: holds the results of another batch" in said
+    assert "skipped prices.csv: holds no ARKit channel" in said
+    assert "3 takes: 2 written, 1 failed; 0 problems fixed; 2 other files skipped" in said
+    code, said = batch("none", "out", "next")  # one batch after another
+    assert code == 0
+    assert "skipped faceedit_report.csv: is a report of FaceEdit" in said
+    assert "2 takes: 2 written, 0 failed" in said
+
+
+def test_problems_that_an_edit_makes_are_not_fixed_ones() -> None:
+    found = [Outcome("a.csv", problems=1, left=2), Outcome("b.csv", problems=3, left=2)]
+    assert summary(found) == "2 takes: 2 written, 0 failed; 1 problem fixed, 1 new"
