@@ -20,11 +20,11 @@ from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
-from faceedit_app.formats.converting import converted, resampled, with_filled
+from faceedit_app.formats.converting import Like, converted, resampled, with_filled
 from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.rotations import rotation_named
-from faceedit_app.formats.take import Source, Take
+from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.container import check
 
@@ -95,7 +95,7 @@ class Options:
         compact: store weights in 16 bits, for formats that can.
         overwrite: allow a recording to be replaced; a copy of it is kept.
         follows_head: turn the head of a character as it was recorded.
-        like: a source in whose style a take is written, if it can be; None = the take's own.
+        like: a file in whose style a take is written, if it can be; None = the take's own.
         filled: the weights that fills gave to the take's lost rows, (L, K).
     """
 
@@ -104,7 +104,7 @@ class Options:
     compact: bool = False
     overwrite: bool = False
     follows_head: bool = False
-    like: Source | None = None
+    like: Like | None = None
     filled: Floats | None = None
 
 

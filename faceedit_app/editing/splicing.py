@@ -22,7 +22,7 @@ from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.splice import Splice, Spliced, splice
 from faceedit_app.editing.exporting import Options, OutFormat, choose, export_take, own_format
-from faceedit_app.formats.converting import with_filled
+from faceedit_app.formats.converting import Like, nearest, with_filled
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
@@ -132,7 +132,9 @@ def write_spliced(
                 film = None
         # Of no kind: its own format would be written into the old file's rows.
         bare = replace(take, clip=made.clip, kind="")
-        like = take.source if form == own_format(take) else None
+        like = None
+        if form == own_format(take):
+            like = Like(take.source, nearest(take.clip, made.moments(made.clip.times)))
         options = Options(overwrite=overwrite, like=like)
         exported = export_take(bare, made.clip, path, form, options)
         undo.pop_all()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.core.arrays import Bools, Floats, Times
+from faceedit_app.core.arrays import Bools, Floats, Indices, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resample import at_rate
 from faceedit_app.formats.gaps import find_gaps
@@ -16,6 +16,19 @@ from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import LostRows, Source, Take
 from faceedit_app.formats.timecode import start_of_day, write_timecode
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
+
+
+@dataclass(frozen=True)
+class Like:
+    """A file in whose style another one is written.
+
+    Attributes:
+        source: the file.
+        frames: (N,) the frame of it that each frame of the other is, or is made of.
+    """
+
+    source: Source
+    frames: Indices
 
 
 @dataclass(frozen=True)
@@ -44,7 +57,7 @@ def converted(
     rate: float | None = None,
     edited: Clip | None = None,
     *,
-    like: Source | None = None,
+    like: Like | None = None,
     own_layout: bool = True,
     filled: Floats | None = None,
 ) -> Converted:
@@ -58,7 +71,7 @@ def converted(
         form: a format that can be written, or the take's own if `rate` is.
         rate: frames per second; None = the take's own.
         edited: the take's clip with other weights and rotations; None = as it is.
-        like: a source in whose style the file is written; None = the take's own, in its format.
+        like: a file in whose style it is written; None = the take's own, in its format.
         own_layout: whether a take of this format keeps its dialect; if not, it does so only if
             other programs read it as they read what the format writes.
         filled: the weights of its lost rows, as for `opening.encoded_take`.
@@ -75,11 +88,16 @@ def converted(
             return Converted(own, whole, is_own=True)
     assert form.write is not None
     clip = resampled(whole, rate, fill_gaps=not form.tells_times)
-    style = take.source if is_own and own_layout else like
-    styled = None if style is None else form.write_like(style, clip)
+    style = Like(take.source, nearest(take.clip, clip.times)) if is_own and own_layout else like
+    styled = None if style is None else form.write_like(style.source, clip, style.frames)
     if styled is None:
         return Converted(form.write(clip), clip)
     return Converted(styled.content, clip, is_styled=True, note=styled.note)
+
+
+def nearest(clip: Clip, times: Times) -> Indices:
+    """(N,) the frames of a clip that are nearest to times (N,)."""
+    return np.rint(np.interp(times, clip.times, np.arange(len(clip)))).astype(np.intp)
 
 
 def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Clip:

@@ -1,19 +1,22 @@
 """Write a clip with other frames than a CSV has, in the style of that CSV.
 
-Its separator, decimal sign, names, scale, digits, line ends and the base of its timecode are kept.
+Its separator, decimal sign, names, scale, digits, line ends and the base of its timecode are kept,
+and the text of each number that is the one of the row it comes from.
 Times that are neither timecodes nor numbers become seconds, and columns that are no channels are
 left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from faceedit_app.core.arkit import ROTATION_INDEX
-from faceedit_app.core.arrays import Times
+from faceedit_app.core.arrays import Floats, Indices, Times
 from faceedit_app.core.clip import Clip
-from faceedit_app.formats.csv_source import CsvSource
+from faceedit_app.formats.csv_source import CsvSource, bare
 from faceedit_app.formats.csv_take import confidence_cells
 from faceedit_app.formats.encodings import RecodedSource
 from faceedit_app.formats.files import BOM
@@ -50,17 +53,26 @@ class _Column:
         place: in the file whose style is kept; -1 to stand first, a large number to stand last.
         name: with its quotes.
         cells: (T) of the rows.
+        numbers: (T,) that the cells stand for, if the file has them at `place`.
+        scale: what the file has for a number of 1.
     """
 
     place: int
     name: bytes
     cells: Sequence[bytes]
+    numbers: Floats | None = None
+    scale: float = 1.0
 
 
-def write_like(source: Source, clip: Clip) -> Styled | None:
-    """A clip in the style of a source's file; None if it is no CSV with these channels."""
+def write_like(source: Source, clip: Clip, frames: Indices) -> Styled | None:
+    """A clip in the style of a source's file; None if it is no CSV with these channels.
+
+    Args:
+        frames: (T,) the frame of the source that each frame of the clip is, or is made of. A cell
+            with the number of that frame keeps its text.
+    """
     if isinstance(source, RecodedSource):
-        found = write_like(source.source, clip)
+        found = write_like(source.source, clip, frames)
         if found is None:
             return None
         return Styled(found.content.decode().encode(source.encoding), found.note)
@@ -79,23 +91,45 @@ def write_like(source: Source, clip: Clip) -> Styled | None:
         ]
         own = source.confidence
         name = CONFIDENCE.encode() if own is None else names[own]
-        columns.append(_Column(len(names) if own is None else own, name, sure))
+        place, numbers = (len(names), None) if own is None else (own, clip.confidence)
+        columns.append(_Column(place, name, sure, numbers))
     columns.sort(key=lambda column: column.place)
     head = [column.name for column in columns]
     head[0] = head[0].removeprefix(BOM)
     first = table.lines[table.header]
     end = first[len(first.rstrip(b"\r\n")) :] or b"\n"
     mark = BOM if table.lines[0].startswith(BOM) else b""
-    rows = [head, *zip(*(column.cells for column in columns), strict=True)]
+    rows = [head, *_rows(source, columns, frames)]
     return Styled(mark + b"".join(table.delimiter.join(cells) + end for cells in rows), note)
+
+
+def _rows(source: CsvSource, columns: Sequence[_Column], frames: Indices) -> Iterator[list[bytes]]:
+    """The cells of each row."""
+    table, scales = source.table, np.array([column.scale for column in columns])
+    nothing = np.full(len(frames), np.nan, np.float32)
+    numbers = [nothing if column.numbers is None else column.numbers for column in columns]
+    known = [k for k, column in enumerate(columns) if column.numbers is not None]
+    new = zip(*(column.cells for column in columns), strict=True)
+    for frame, wanted, cells in zip(frames.tolist(), np.stack(numbers, axis=1), new, strict=True):
+        texts = table.cells(source.lines[frame])
+        found = np.full(len(columns), np.nan)
+        for k in known:
+            text = bare(texts[columns[k].place]).replace(table.decimal, b".")
+            found[k] = float(text or b"nan")
+        # As they are read; the text may have more digits than single precision keeps.
+        same = np.flatnonzero((found / scales).astype(np.float32) == wanted)
+        row = list(cells)
+        for k in same.tolist():
+            row[k] = texts[columns[k].place]
+        yield row
 
 
 def _weights(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_Column]:
     write, sign = source.writer(source.columns, source.scale), b"%" if source.table.percent else b""
     numbers = (shortest(clip.weights) * source.scale).T.tolist()
     return [
-        _Column(place, names[place], [write(number) + sign for number in row])
-        for place, row in zip(source.columns, numbers, strict=True)
+        _Column(place, names[place], [write(number) + sign for number in row], own, source.scale)
+        for place, row, own in zip(source.columns, numbers, clip.weights.T, strict=True)
     ]
 
 
@@ -106,12 +140,13 @@ def _rotations(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_C
     own, columns = source.turns, []
     write = source.writer(list(own.values()), 1.0) if own else None
     for name in clip.rotation_names:
-        numbers = clip.rotations[:, ROTATION_INDEX[name]].tolist()
+        numbers = clip.rotations[:, ROTATION_INDEX[name]]
         if write is not None and name in own:
-            place, cells = own[name], [write(number) for number in numbers]
-            columns.append(_Column(place, names[place], cells))
+            place, cells = own[name], [write(number) for number in numbers.tolist()]
+            columns.append(_Column(place, names[place], cells, numbers))
         else:
-            cells = [f"{n:.6f}".encode().replace(b".", source.table.decimal) for n in numbers]
+            texts = (f"{number:.6f}".encode() for number in numbers.tolist())
+            cells = [text.replace(b".", source.table.decimal) for text in texts]
             columns.append(_Column(len(names), name.encode(), cells))
     return columns
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arrays import Indices
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import similar_channel
@@ -55,7 +56,8 @@ class Format:
         read: opens a file: path, content, and the frame rate if the user gave one.
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
-        write_like: as `write`, in the style of a source; gives None for one that has no style.
+        write_like: as `write`, in the style of a source, given the frame of it that each frame
+            comes from; gives None for one that has no style.
         is_plain: whether other programs read a file of this format, given its content and clip, as
             they read what `write` writes.
         tells_times: whether its frames have times, not only a rate.
@@ -73,7 +75,9 @@ class Format:
     sniff: Callable[[bytes], float]
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
-    write_like: Callable[[Source, Clip], csv_style.Styled | None] = lambda source, clip: None
+    write_like: Callable[[Source, Clip, Indices], csv_style.Styled | None] = (
+        lambda source, clip, frames: None
+    )
     is_plain: Callable[[bytes, Clip], bool] = lambda content, clip: True
     tells_times: bool = True
     keeps_rotations: bool = False

@@ -30,6 +30,7 @@ def table(cell: str = "{:.2f}", separator: str = ";", comma: bool = True, end: s
 
 STYLES: dict[str, bytes] = {
     "semicolons and decimal commas": table().encode(),
+    "quotes and spaces": table('"{:.7f}" ', comma=False).encode(),
     "percent signs": table("{:.1f} %", ",", comma=False).encode(),
     "tabs in UTF-16": ("\ufeff" + table(separator="\t", end="\r\n")).encode("utf-16-le"),
     "a byte order mark": ("\ufeff" + table(end="\r\n")).encode(),
@@ -62,7 +63,8 @@ def test_other_frames_are_written_in_the_style_of_the_take(
     assert new.rate == (15 if command == "convert" else 30)
     np.testing.assert_allclose(new.weights[0], old.weights[0], atol=0.05)
     if command == "retime":
-        assert after.splitlines()[1].split(";")[1:] == before.splitlines()[1].split(";")[1:]
+        for row in (1, -1):  # in quotes, with spaces and all
+            assert after.splitlines()[row].split(";")[1:] == before.splitlines()[row].split(";")[1:]
         np.testing.assert_allclose(new.weights[-1], old.weights[-1], atol=1e-4)
 
 
@@ -85,9 +87,9 @@ def test_convert_keeps_the_layout_at_another_rate_unless_told_otherwise(tmp_path
 
 
 def livelink(folder: Path, stamp: Callable[[int], str], separator: str = ";") -> Path:
-    """A Live Link take at 30 fps with timecodes and a separator of its own."""
+    """A Live Link take at 30 fps, of more digits than single precision keeps, with timecodes."""
     rows = [
-        [stamp(n), "52", *(f"{0.3 + 0.2 * np.sin(n / 7 + k):.4f}" for k in range(52))]
+        [stamp(n), "52", *(f"{0.3 + 0.2 * np.sin(n / 7 + k):.10f}" for k in range(52))]
         for n in range(3 * FRAMES)
     ]
     head = ["Timecode", "BlendshapeCount", *livelink_names()]
@@ -127,6 +129,8 @@ def test_a_cut_keeps_the_timecode_and_the_layout_of_the_take(
         line.split(separator)[0] for line in old[: len(new)]
     ]
     assert new[5:20] == old[5:20]
+    cells = [[line.split(separator, 1)[1] for line in lines[-50:]] for lines in (old, new)]
+    assert cells[1] == cells[0]
     assert (after.rate, after.gaps) == (before.rate, ())
     assert after.duration == pytest.approx(before.duration - 1, abs=1 / 30)
 
