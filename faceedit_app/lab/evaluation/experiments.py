@@ -20,6 +20,7 @@ from faceedit_app.lab.evaluation.evaluate import Figures
 from faceedit_app.lab.evaluation.faces import faces_part
 from faceedit_app.lab.evaluation.goals import networks_goals_part
 from faceedit_app.lab.evaluation.people.report import goals_part, people_part
+from faceedit_app.lab.evaluation.people.sources import sources_of
 from faceedit_app.lab.evaluation.report import (
     LABELS,
     NOTES,
@@ -36,7 +37,8 @@ from faceedit_app.lab.evaluation.robustness import robustness_part
 from faceedit_app.lab.evaluation.setting import Setting
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.evaluation.tables import cell, markdown_table
-from faceedit_app.lab.training.card import CARD, with_figures
+from faceedit_app.lab.evaluation.untouched import measure_untouched, untouched_part
+from faceedit_app.lab.training.card import CARD, trained_sources, with_figures
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.sources import by_source
 from faceedit_app.lab.training.statistics import measure, spectrum, table
@@ -160,6 +162,21 @@ def faces(setting: Setting) -> Path:
     return setting.write("faces", faces_part(setting.output, setting.rig, engine))
 
 
+def untouched(setting: Setting) -> Path:
+    """How far edits on takes of people move curves that they do not name."""
+    sources, _ = sources_of(setting.unseen, trained_sources(setting.models))
+    engine = load_engine(setting.rig, setting.models)
+    bar = setting.progress.add_task("Edits of single curves", total=None)
+    found = measure_untouched(
+        sources,
+        setting.rig,
+        engine,
+        lambda done, of: setting.progress.update(bar, completed=done, total=of),
+    )
+    setting.progress.update(bar, visible=False)
+    return setting.write("untouched", untouched_part(found))
+
+
 def card(setting: Setting) -> Path:
     """Write the figures on people into the model card, reached or not."""
     path = setting.models / CARD
@@ -174,6 +191,7 @@ def card(setting: Setting) -> Path:
 EXPERIMENTS: dict[str, Experiment] = {
     "people": people,
     "faces": faces,
+    "untouched": untouched,
     "statistics": statistics,
     "held-out": held_out,
     "card": card,
