@@ -67,9 +67,9 @@ def test_a_character_is_shown_with_its_checklist_and_ours_comes_back(
     checklist = checklist_of(window)
     assert checklist.isVisible()
     assert f"of {len(ARKIT_CHANNELS)} channels have a shape" in checklist.summary
-    head = checklist.table.horizontalHeader()
-    for column in range(head.count()):
-        assert head.sectionSize(column) >= head.sectionSizeHint(column), "a head is cut"
+    header = checklist.table.horizontalHeader()
+    for column in range(header.count()):
+        assert header.sectionSize(column) >= header.sectionSizeHint(column), "a name is cut"
     assert editor_of(window).face.mapToGlobal(QPoint(0, 0)).x() >= min(
         checklist.frameGeometry().right(), checklist.screen().availableGeometry().left() + 760
     ), "the face whose points are dragged is not covered, if the screen has room"

@@ -221,7 +221,7 @@ class ViewCommands:
         else:
             self._channels.switch()
         if self.shows_channels:
-            self._channels.find()
+            self._channels.focus_search()
         else:
             page.curves.setFocus()
 

@@ -40,7 +40,7 @@ class ChannelsDock(QDockWidget):
         self._side.let_fold(is_shown and not self.isFloating())
         self.setVisible(is_shown)
 
-    def find(self) -> None:
+    def focus_search(self) -> None:
         """Let what is typed next find a channel, rather than be a shortcut."""
         self.activateWindow()  # they may be in a window of their own
         self._search.setFocus(Qt.FocusReason.ShortcutFocusReason)
