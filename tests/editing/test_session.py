@@ -258,6 +258,27 @@ def test_export_without_edits_is_the_file_itself(tmp_path: Path) -> None:
     assert (tmp_path / "b.csv").read_bytes() == source.read_bytes()
 
 
+@pytest.mark.parametrize(
+    "edit",
+    [
+        Edit(CONTROL_IDS, Op.SCALE, 0.0, 1.0, 0.0, 1.0),
+        Edit((), Op.OFFSET, 0.0, 1.0, 0.0, 4e-6, channels=("jawOpen", "mouthClose")),
+        Edit((), Op.OFFSET, 0.0, 1.0, 0.0, 2e-4, channels=("headYaw",)),
+    ],
+    ids=["scaled by 1", "weight", "degrees"],
+)
+def test_an_edit_that_changes_less_than_is_written_leaves_every_byte(
+    edit: Edit, tmp_path: Path
+) -> None:
+    """The file has ten decimals; changed weights have five."""
+    source = make_livelink_csv(tmp_path / "a.csv", seconds=1)
+    session = session_by_rig(source)
+    session.add(edit)
+    session.export(tmp_path / "b.csv")
+    assert (tmp_path / "b.csv").read_bytes() == source.read_bytes()
+    assert session.changed_frames() == 0
+
+
 def test_export_opened_again_is_what_was_on_screen(tmp_path: Path) -> None:
     source = make_livelink_csv(tmp_path / "a.csv", seconds=3, dropped=[40, 41, 42])
     session = session_by_networks(source)

@@ -23,6 +23,7 @@ from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, Rows
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.neutral import keep_lips_together, without_rest
 from faceedit_app.editing.solving.request import active, smoothing, smoothing_frames
+from faceedit_app.editing.solving.rounding import rounded
 
 WEIGHTS = len(ARKIT_INDEX)
 _FARTHEST_TURN = 180.0  # degrees
@@ -152,7 +153,6 @@ class ChannelEdits:
         task: ChannelTask,
         rows: slice,
         base: Callable[[int, ChunkTask | None], Answered],
-        decimals: int,
     ) -> tuple[Floats, Floats | None]:
         """The weights (N, 52) and the rotations (N, 9) in radians of a chunk.
 
@@ -160,7 +160,6 @@ class ChannelEdits:
             task: the task.
             rows: the chunk's frames.
             base: answers the curves of a chunk.
-            decimals: to which changed numbers are rounded.
         """
         near = slice(*task.near)
         parts = [base(chunk, curves) for chunk, curves in task.bases]
@@ -174,13 +173,10 @@ class ChannelEdits:
         before = self._values(around, turned)
         after = self._edited(before, task.edits, near)
         inner = slice(rows.start - near.start, rows.stop - near.start)
-        same = after[inner] == before[inner]
-        weights = np.where(same[:, :WEIGHTS], around[inner], after[inner, :WEIGHTS].round(decimals))
+        weights = rounded(after[inner, :WEIGHTS], around[inner])
         if turned is None:
-            return weights.astype(np.float32), None
-        edited = np.radians(after[inner, WEIGHTS:]).round(decimals)
-        rotations = np.where(same[:, WEIGHTS:], turned[inner], edited)
-        return weights.astype(np.float32), rotations.astype(np.float32)
+            return weights, None
+        return weights, rounded(np.radians(after[inner, WEIGHTS:]), turned[inner])
 
     def _edited(self, values: Doubles, edits: Sequence[Edit], near: slice) -> Doubles:
         """Values (N, 61) with the edits."""

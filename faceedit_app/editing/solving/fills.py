@@ -25,7 +25,7 @@ from faceedit_app.editing.solving.neutral import keep_lips_together, without_res
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.retimes import Measure, Retiming
-from faceedit_app.editing.solving.rounding import DECIMALS
+from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 
 REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
 
@@ -148,8 +148,7 @@ class Fills:
         now, after = before[:, columns], before.copy()
         after[:, columns] = now + mask * (without_rest(now, rest, peak) - now)
         keep_lips_together(after, before)
-        rounded = after.round(DECIMALS).astype(np.float32)
-        return np.where(after == before, weights, rounded)
+        return rounded(after, weights)
 
     def _content(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Doubles:
         """(N, 52) what an edit puts in place of the take."""
@@ -233,8 +232,7 @@ def _put(out: Floats, made: tuple[slice, Doubles] | None) -> None:
     """Put retimed values in their place; what is the same keeps its bits."""
     if made is not None:
         rows, values = made
-        rounded = values.round(DECIMALS).astype(np.float32)
-        out[rows] = np.where(values.astype(np.float32) == out[rows], out[rows], rounded)
+        out[rows] = rounded(values, out[rows])
 
 
 def _acts_at(edits: Sequence[Edit], place: int, times: Times) -> Times:
@@ -272,11 +270,13 @@ def _mix(
         rows: those n of the N frames that the edit acts on.
         columns: (K,) of the C.
     """
-    old = out[rows][:, columns].astype(np.float64)
+    before = out[rows]
+    old = before[:, columns]
     mask = edit.mask(times[rows])[:, None] * min(edit.strength, 1.0)
-    mixed = np.round(old + mask * (new - old), DECIMALS).astype(np.float32)
-    mixed = np.where(mask == 0, old.astype(np.float32), mixed)
+    mixed = before.astype(np.float64)
+    mixed[:, columns] = old + mask * (new - old)
+    out[rows] = rounded(mixed, before)
     if edit.op is Op.RESET:  # to the bit
-        recorded = tracked[rows][:, columns]
-        mixed = np.where((mask == 1) | (old == recorded), recorded, mixed)
-    out[rows.start : rows.stop, columns] = mixed
+        recorded, now = tracked[rows][:, columns], out[rows][:, columns]
+        exact = np.where((mask == 1) | (old == recorded), recorded, now)
+        out[rows.start : rows.stop, columns] = exact

@@ -39,7 +39,7 @@ from faceedit_app.editing.solving.network_answers import NetworkAnswers
 from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request
-from faceedit_app.editing.solving.rounding import DECIMALS, rounded
+from faceedit_app.editing.solving.rounding import rounded
 from faceedit_app.editing.solving.sideways import Sideways
 from faceedit_app.editing.solving.solved_regions import SolvedRegions
 from faceedit_app.editing.solving.start import Start, Starts
@@ -233,7 +233,7 @@ class Solver:
         """Edit the channels of a chunk after its curves have been answered."""
         rows = self.chunks.slice(task.chunk)
         mine = self._base(task.chunk, dict(task.bases)[task.chunk])
-        weights, rotations = self._channels.apply(task, rows, self._base, DECIMALS)
+        weights, rotations = self._channels.apply(task, rows, self._base)
         controls = self._starts.measured(weights, mine.weights, mine.controls)
         # Curves that nobody asked for go where the channels take them.
         asked = np.where(mine.asked == mine.started, controls, mine.asked)
