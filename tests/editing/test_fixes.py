@@ -163,6 +163,24 @@ def test_preset_of_a_selection_comes_back(session: EditSession, tmp_path: Path) 
     assert (wide.start, wide.end, wide.falloff) == (4.0, pytest.approx(4.8), 0.2)
 
 
+@pytest.mark.parametrize(("length", "playhead"), [(1.0, 9.9), (1.0, 9.97), (8.5, 6.0)])
+def test_a_preset_that_begins_near_the_end_of_the_take_keeps_its_times(
+    session: EditSession, length: float, playhead: float, tmp_path: Path
+) -> None:
+    saved = save_preset("Mine", EDITS, 2.0, 2.0 + length, tmp_path)
+    placed = apply_preset(session, saved, None, playhead)
+    for edit, kept in zip(placed, saved.edits, strict=True):
+        assert edit.end - edit.start == pytest.approx(kept.end - kept.start)
+        assert edit.end - kept.end == pytest.approx(float(session.take.clip.times[-1]) - length)
+
+
+def test_a_preset_of_one_moment_goes_to_the_middle_of_a_selection(
+    session: EditSession, tmp_path: Path
+) -> None:
+    saved = save_preset("Mine", EDITS, 2.5, 2.5, tmp_path)
+    assert {edit.start for edit in apply_preset(session, saved, (4.0, 6.0), 0.0)} == {5.0}
+
+
 def test_presets_of_the_user_can_be_replaced_and_deleted(tmp_path: Path) -> None:
     saved = save_preset("Mine", EDITS, 2.0, 3.0, tmp_path)
     with pytest.raises(FileError, match="already a preset"):

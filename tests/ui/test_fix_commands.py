@@ -121,9 +121,12 @@ def test_a_preset_is_saved_applied_and_deleted(
     window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session, menu = session_of(window), window.actions_.submenu("presets")
+    monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w: "My smile")
+    trigger_enabled(window, "fix_smile", "save_preset")
+    assert window.status.currentMessage().startswith("Select the range whose edits to save")
+    trigger_enabled(window, "undo")
     window.timeline.select((2.0, 3.0))
     trigger_enabled(window, "fix_smile")
-    monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w: "My smile")
     trigger_enabled(window, "save_preset")
     trigger_enabled(window, "undo")
     window.timeline.select((5.0, 6.0))

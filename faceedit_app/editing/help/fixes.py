@@ -148,11 +148,14 @@ def _place(
     if selection is None and preset.alone is Alone.TAKE:
         selection, falloff = (0.0, duration), 0.0
     if selection is None:
-        start = playhead - (0.5 * length if preset.alone is Alone.PLAYHEAD else 0.0)
+        # One that begins at the playhead ends with the take: beyond it, edits would do nothing.
+        start = max(min(playhead, duration - length), 0.0)
+        if preset.alone is Alone.PLAYHEAD:
+            start = playhead - 0.5 * length
         return [edit.shifted(start) for edit in preset.edits]
-    if not preset.stretch:
+    if not preset.stretch or length <= 0:
         return [edit.shifted(0.5 * (sum(selection) - length)) for edit in preset.edits]
-    factor = (selection[1] - selection[0]) / length if length > 0 else 0.0
+    factor = (selection[1] - selection[0]) / length
     placed = []
     for edit in preset.edits:
         ends = (selection[0] + factor * edit.start, selection[0] + factor * edit.end)

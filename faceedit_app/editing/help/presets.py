@@ -40,7 +40,7 @@ class Alone(StrEnum):
 
     TAKE = "take"  # the whole take
     PLAYHEAD = "playhead"  # its middle is at the playhead
-    FROM_PLAYHEAD = "from_playhead"  # it starts at the playhead
+    FROM_PLAYHEAD = "from_playhead"  # it starts at the playhead, or ends with the take
 
 
 @dataclass(frozen=True)

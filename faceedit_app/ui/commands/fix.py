@@ -133,12 +133,16 @@ class FixCommands:
                 action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
 
     def save_preset(self) -> None:
-        """Save the edits in the selection, or all of them if nothing is selected, as a preset."""
+        """Save the edits in the selection as a preset."""
         session = self._document.session
         if session is None:
             return
         self._workspace.end_gestures()
-        start, end = self._timeline.selection or (0.0, self._timeline.duration)
+        selection = self._timeline.own_selection
+        if selection is None:
+            self._workspace.message.emit("Select the range whose edits to save first")
+            return
+        start, end = selection
         name = dialogs.ask_preset_name(self._workspace.window)
         if not name:
             return
