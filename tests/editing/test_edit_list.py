@@ -222,6 +222,13 @@ NAMES = {
     "Close eyes": Edit(("left_eyelid", "right_eyelid"), Op.SET, 0, 1, 0, 0.0),
     "Close left eye": Edit(("left_eyelid",), Op.SET, 0, 1, 0, 0.0),
     "Mouth width to 45.0 mm": Edit(("mouth_width",), Op.SET, 0, 1, 0, 45.0),
+    "jawForward × 0.50 about the median": Edit(
+        (), Op.SCALE, 0, 1, 0, 0.5, channels=("jawForward",)
+    ),
+    "headYaw × 0.50 about −2.00°": Edit(
+        (), Op.SCALE, 0, 1, 0, 0.5, about=-2.0, channels=("headYaw",)
+    ),
+    "jawForward × 2.00": Edit((), Op.SCALE, 0, 1, 0, 2.0, about=0.0, channels=("jawForward",)),
     "Mouth corners × 1.30": Edit(("right_corner", "left_corner"), Op.SCALE, 0, 1, 0, 1.3),
     "Smooth all curves (40 ms)": Edit(CONTROL_IDS, Op.SMOOTH, 0, 1, 0, 0.04),
     "Mouth back to tracked": Edit(CONTROL_IDS[:6], Op.RESET, 0, 1, 0),

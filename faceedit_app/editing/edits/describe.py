@@ -80,7 +80,7 @@ def _describe_channels(edit: Edit) -> str:
         case Op.SCALE if edit.value == 0:
             return f"{what} {'muted' if edit.about == 0 else 'held still'}"
         case Op.SCALE:
-            return f"{what} × {edit.value:.2f}"
+            return f"{what} × {edit.value:.2f}{_about(edit)}"
         case Op.SMOOTH:
             return f"Smooth {what} ({1000 * edit.value:.0f} ms)"
         case Op.DRAW:
@@ -92,6 +92,14 @@ def _describe_channels(edit: Edit) -> str:
             return f"Neutral rest ({_counted(len(edit.channels))})"
         case _:
             return f"Strength by channel ({_counted(len(edit.channels))})"
+
+
+def _about(edit: Edit) -> str:
+    """What a scale leaves unchanged, unless that is 0."""
+    if edit.about is None:
+        return " about the median"
+    unit = "°" if is_rotation(edit.channels[0]) else ""
+    return f" about {edit.about:.2f}{unit}".replace("-", "−") if edit.about else ""
 
 
 def _counted(channels: int) -> str:

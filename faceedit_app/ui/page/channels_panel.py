@@ -78,7 +78,7 @@ class ChannelsPanel(QWidget):
         self.smoothing = _number(10.0, 2000.0, 10.0, 80.0, " ms", "Width of Smooth")
         self.ceiling = _number(0.05, 1.0, 0.05, _CEILING, "", "Ceiling for Limit")
         self._buttons = [
-            self._button("Scale", "Multiply the distance from the take's median", self.scale),
+            self._button("Scale", "Multiply the distance from the median of the take", self.scale),
             self._button("Smooth", "Calm shaking", self.smooth),
             self._button("Limit", "Approach a ceiling smoothly and never pass it", self.limit),
             self._button("Mute", "Set to 0", self.mute),
