@@ -199,10 +199,14 @@ def test_a_curve_that_the_take_cannot_answer_takes_no_mouse_and_says_why(
     window.banner.dismiss()  # what it says of the face model, which tests do without
     session_of(window).add(Edit(("left_eyelid", "mouth_opening"), Op.OFFSET, 0.5, 0.8, 0.1, 3.0))
     assert why in window.banner.text.text()
+    session_of(window).undo()
+    assert not window.banner.isVisible(), "nothing asks for it any more"
+    session_of(window).redo()
+    assert why in window.banner.text.text()
     window.banner.dismiss()
     session_of(window).undo()
     session_of(window).redo()
-    assert not window.banner.isVisible()  # it is said once
+    assert not window.banner.isVisible(), "who has dismissed it knows"
 
 
 def test_another_take_has_its_curves_back(bench: Bench, tmp_path: Path) -> None:
@@ -212,6 +216,9 @@ def test_another_take_has_its_curves_back(bench: Bench, tmp_path: Path) -> None:
     page = window.editor
     assert page is not None
     assert not all(plot.isEnabled() for plot in page.curves.plots)
+    window.workspace.warning.emit("What only jaw.csv lacks")
     drop(window, bench.take)
     wait_for(bench, window, bench.take)
     assert all(plot.isEnabled() for plot in page.curves.plots)
+    assert "jaw.csv" not in window.banner.text.text()
+    assert "The face model could not be loaded" in window.banner.text.text(), "still true"

@@ -25,6 +25,7 @@ from faceedit_app.formats.timing import counted
 from faceedit_app.words.speech_sounds import lips_of
 from faceedit_app.words.transcript import Transcript
 
+MATCH = "Match another sound"  # the step
 MOST_UNITS = 12_000  # phonemes of one side: the table of the alignment takes their square
 _GAP = 0.7  # cost of a phoneme that only one side has
 _ALIKE, _SAME_KIND, _OTHER = 0.4, 1.0, 1.6  # cost of two that differ
@@ -152,9 +153,7 @@ def keep(
         film = None if media is None else media.film
         media = Placement(replace(sound, offset=found.offset), film)
     edits = (*state.edits, found.edit)
-    session.restore(
-        replace(state, edits=edits, words=found.words, media=media), "Match another sound"
-    )
+    session.restore(replace(state, edits=edits, words=found.words, media=media), MATCH)
 
 
 # --- matching ----------------------------------------------------------------------------------

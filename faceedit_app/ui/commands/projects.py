@@ -85,13 +85,13 @@ def open_project(
 
     def found(result: tuple[Project, KnownFile, Located]) -> None:
         project, file, located = result
-        take = _chosen_take(workspace, located, ask)
+        take = _chosen_take(located, ask)
         if take is None:
             workspace.opener.reading.emit("")
             return
         # Where the take was found, it is found again: without a choice there is nothing to save.
         was_found = located.where in (Whereabouts.FOUND, Whereabouts.MOVED)
-        _open_take(workspace, project, file, take, was_found)
+        _open_take(workspace, project, file, take, was_found, _note_of(located))
         workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
@@ -105,19 +105,21 @@ def open_project(
 
 
 def _chosen_take(
-    workspace: Workspace, located: Located, ask: Callable[[str, Sequence[Path]], Path | None]
+    located: Located, ask: Callable[[str, Sequence[Path]], Path | None]
 ) -> Path | None:
     """The take that edits are applied to; the user decides where that is in doubt."""
     match located.where:
-        case Whereabouts.FOUND:
-            return located.path
-        case Whereabouts.MOVED:
-            workspace.warning.emit(located.message)
+        case Whereabouts.FOUND | Whereabouts.MOVED:
             return located.path
         case _:
             # The unchanged take first: the other one may contain the edits already.
             likely = [*located.others, *([located.path] if located.path is not None else [])]
             return ask(located.message, likely)
+
+
+def _note_of(located: Located) -> str:
+    """What to say once the take is open: that it was found elsewhere, without a question."""
+    return located.message if located.where is Whereabouts.MOVED else ""
 
 
 def _open_take(
@@ -126,6 +128,7 @@ def _open_take(
     file: KnownFile,
     take: Path,
     was_found: bool,
+    note: str,
 ) -> None:
     """Open the take of a project that has been read.
 
@@ -134,6 +137,7 @@ def _open_take(
         take: the file that its edits are applied to.
         was_found: the take is as the project knows it, and nobody had to choose it: opening the
             project leaves nothing to save.
+        note: a warning once it is open; "" for none.
     """
 
     def prepare(session: EditSession) -> None:
@@ -146,6 +150,8 @@ def _open_take(
             session.mark_saved()
 
     def opened() -> None:
+        if note:
+            workspace.warning.emit(note)
         restore_view(workspace, project.view)
         _open_character(workspace, project, file.path)
 
@@ -185,17 +191,17 @@ def recover(
         return locate(pending.take, pending.fingerprint, pending.exported_over, home)
 
     def found(located: Located) -> None:
-        take = _chosen_take(workspace, located, ask)
+        take = _chosen_take(located, ask)
         workspace.opener.reading.emit("")
         if take is not None:
-            _open_recovered(workspace, pending, take)
+            _open_recovered(workspace, pending, take, _note_of(located))
 
     workspace.opener.reading.emit(f"Looking for {pending.take.name}…")
     workspace.background.run(look, found, workspace.opener.failed.emit)
 
 
-def _open_recovered(workspace: Workspace, pending: Pending, take: Path) -> None:
-    """Open a take with the edits of a session that crashed."""
+def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: str) -> None:
+    """Open a take with the edits of a session that crashed; `note` is as for `_open_take`."""
 
     def prepare(session: EditSession) -> None:
         session.restore(pending.state)
@@ -204,6 +210,8 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path) -> None:
 
     def opened() -> None:
         pending.discard()
+        if note:
+            workspace.warning.emit(note)
         steps = counted(pending.gestures, "step")
         workspace.message.emit(
             f"Recovered {steps} of {pending.take.name}; a single Undo takes them all back"

@@ -233,7 +233,7 @@ class RetimeCommands:
 
     def _match(self, theirs: Transcript, sound: Sound | None) -> None:
         """Retime the take, and play the other sound with it from now on."""
-        from faceedit_app.editing.help.dubbing import keep, match
+        from faceedit_app.editing.help.dubbing import MATCH, keep, match
 
         session = self._document.session
         if session is None or session.words is None:
@@ -251,4 +251,4 @@ class RetimeCommands:
             page.edits.select_new()
         self._workspace.message.emit(found.message)
         if found.limited or found.unmatched:
-            self._workspace.warning.emit(found.message)
+            self._workspace.doubt.emit(found.message, lambda: MATCH in session.history[0])

@@ -84,9 +84,10 @@ class WordCommands:
 
         self._workspace.message.emit(f"Found {counted(len(words.words), 'word')}")
         if words.noise is not None and words.noise < NOISY:
-            self._workspace.warning.emit(
+            self._workspace.doubt.emit(
                 f"The sound is noisy ({words.noise:.0f} dB above the noise): "
-                "check the times of the words under the waveform"
+                "check the times of the words under the waveform",
+                lambda: self._words is not None and self._words.noise == words.noise,
             )
 
     def export(self) -> None:

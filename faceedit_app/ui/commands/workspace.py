@@ -42,13 +42,15 @@ class Workspace(QObject):
 
     Signals:
         message(str): what was done, or why nothing was, for the status bar.
-        warning(str): something the user should know, for the banner.
+        warning(str): something the user should know about the take, for the banner.
+        doubt(str, callable): the same about a step; the function tells whether it still holds.
         offer(str, str, callable): something to do about it: the text, the button's, and what it
             does.
     """
 
     message = Signal(str)
     warning = Signal(str)
+    doubt = Signal(str, object)
     offer = Signal(str, str, object)
 
     def __init__(self, window: QWidget, preferences: Preferences) -> None:

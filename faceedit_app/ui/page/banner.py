@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
@@ -19,13 +20,33 @@ from faceedit_app.ui.look.palette import ACCENT, ORANGE
 from faceedit_app.ui.look.texts import plain_label, plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
+Holds = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class _Message:
+    """What belongs to a message.
+
+    Attributes:
+        detail: for the tooltip.
+        lasts: it is not about the take.
+        holds: whether it is still true.
+    """
+
+    detail: str
+    lasts: bool
+    holds: Holds | None
+
 
 class Banner(QFrame):
-    """Shows messages, one a line, until they are dismissed."""
+    """Shows messages, one a line, until they are dismissed or no longer true.
+
+    A message is about the open take unless it `lasts`: it goes when another take opens.
+    """
 
     def __init__(self) -> None:
         super().__init__()
-        self._messages: dict[str, str] = {}  # message: details
+        self._messages: dict[str, _Message] = {}
         self._offered: tuple[str, Callable[[], None]] | None = None  # message, what can be done
         self.setObjectName("banner")
         self._sign = QLabel()
@@ -52,11 +73,36 @@ class Banner(QFrame):
         row.addWidget(close)
         self.hide()
 
-    def show_message(self, text: str, detail: str = "") -> None:
-        """Show a message below any others, with details in its tooltip."""
+    def show_message(
+        self, text: str, detail: str = "", lasts: bool = False, holds: Holds | None = None
+    ) -> None:
+        """Show a message below any others.
+
+        Args:
+            text: the message.
+            detail: for the tooltip.
+            lasts: it stays when another take is opened.
+            holds: asked after each change of the take; once it is False, the message goes.
+        """
         self._messages.pop(text, None)
-        self._messages[text] = detail
+        self._messages[text] = _Message(detail, lasts, holds)
         self._show()
+
+    def leave_take(self) -> None:
+        """Another take is open: remove what was said about the last one."""
+        self._keep(lambda message: message.lasts)
+
+    def review(self) -> set[str]:
+        """The take has changed: remove what is no longer true, and return it."""
+        return self._keep(lambda message: message.holds is None or message.holds())
+
+    def _keep(self, wanted: Callable[[_Message], bool]) -> set[str]:
+        gone = {text for text, message in self._messages.items() if not wanted(message)}
+        for text in gone:
+            del self._messages[text]
+        if gone:
+            self._show()
+        return gone
 
     def offer(self, text: str, button: str, act: Callable[[], None]) -> None:
         """Show a message with a button; it replaces the last one that had one."""
@@ -92,7 +138,8 @@ class Banner(QFrame):
             self._offered = None
         self.button.setVisible(self._offered is not None)
         self.text.setText("\n".join(self._messages))
-        self.text.setToolTip(plain_tip("\n".join(filter(None, self._messages.values()))))
+        details = (message.detail for message in self._messages.values())
+        self.text.setToolTip(plain_tip("\n".join(filter(None, details))))
         self._show_kind()
         self.setVisible(bool(self._messages))
 

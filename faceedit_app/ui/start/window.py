@@ -28,7 +28,6 @@ from faceedit_app.ui.state.preferences import Preferences
 
 if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.core.rig import Rig
-    from faceedit_app.editing.session import EditSession
     from faceedit_app.networks.engine import Engine
     from faceedit_app.render import FaceRenderer
     from faceedit_app.ui.page.editor import Editor
@@ -61,8 +60,8 @@ class MainWindow(WindowBase):
         self._slow_reading = QTimer(self, singleShot=True, interval=_SLOW_MS)
         self._slow_reading.timeout.connect(self._clear)
         self._journal_note = ""  # as last shown
-        self._missing_shown = ""  # channels that edits name and the take lacks, as last shown
-        self._lacks_shown: set[str] = set()  # controls of the open take already warned about
+        self._lacking: set[str] = set()  # what edits of the open take ask for in vain
+        self._warned: set[str] = set()  # and what of it was shown
         self.commands = Commands(workspace)
         self.actions_ = Actions(self, self.document, self.commands.menus())
         self.start_page = StartPage(self.actions_)
@@ -110,6 +109,7 @@ class MainWindow(WindowBase):
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
+        workspace.doubt.connect(lambda text, holds: self.banner.show_message(text, holds=holds))
         workspace.offer.connect(self.banner.offer)
         media.failed.connect(self._show_error)
         media.missed.connect(lambda error: self.banner.show_message(str(error), str(error)))
@@ -214,7 +214,7 @@ class MainWindow(WindowBase):
     def _load_model(self, rig: Rig) -> None:
         """The character is loaded: load the model that was made for it."""
         if rig.missing_note:
-            self.banner.show_message(rig.missing_note)
+            self.banner.show_message(rig.missing_note, lasts=True)
         self._background.run(
             lambda: loading.load_engine(rig), self._use_engine, self._continue_without_engine
         )
@@ -260,6 +260,7 @@ class MainWindow(WindowBase):
         self.banner.show_message(
             f"The face model could not be loaded, so edits look less natural. {error}",
             str(error),
+            lasts=True,
         )
         self._settle()
 
@@ -272,8 +273,8 @@ class MainWindow(WindowBase):
     def _show_opened(self) -> None:
         session = self.document.session
         assert session is not None
-        self._lacks_shown.clear()
-        self.banner.withdraw()
+        self._warned.clear()
+        self.banner.leave_take()
         self.playback.pause()
         page = self.build_editor()
         page.open()
@@ -295,33 +296,35 @@ class MainWindow(WindowBase):
                 "Each window has its own edits: close the one that you do not need"
             )
         if problem := self._preferences.problem():
-            self.banner.show_message(problem, problem)
+            self.banner.show_message(problem, problem, lasts=True)
 
     def _warn_of_lacks(self) -> None:
-        """Warn, once per take and control, of edits that the take's channels cannot show."""
+        """Warn of edits that the take's channels cannot show, while there are any.
+
+        A warning that the user dismissed does not come back.
+        """
+        self._lacking = lacking = self._lacks()
+        self._warned -= self.banner.review()
+        for text in sorted(lacking - self._warned):
+            self.banner.show_message(text, holds=partial(self._is_lacking, text))
+        self._warned |= lacking
+
+    def _is_lacking(self, text: str) -> bool:
+        return text in self._lacking
+
+    def _lacks(self) -> set[str]:
+        """What the edits of the open take ask for in vain, a line each."""
         session = self.document.session
         if session is None:
-            return
-        self._warn_of_missing(session)
+            return set()
         edited = {control for edit in session.edits for control in edit.controls}
-        for control in [name for name in session.lacks if name in edited - self._lacks_shown]:
-            self._lacks_shown.add(control)
-            self.banner.show_message(str(session.lacks[control]))
-
-    def _warn_of_missing(self, session: EditSession) -> None:
-        """Warn of edits of channels that the take lacks; the line goes when they do."""
-        if not any(edit.channels for edit in session.edits):
-            missing = ""
-        else:
+        lines = {str(lack) for control, lack in session.lacks.items() if control in edited}
+        if any(edit.channels for edit in session.edits):
             from faceedit_app.editing.solving.channel_edits import missing_channels
 
-            missing = missing_channels(session.edits, session.take.clip)
-            missing = f"Some edits are left out: {missing}" if missing else ""
-        before, self._missing_shown = self._missing_shown, missing
-        if missing != before:
-            self.banner.remove(before)
-            if missing:
-                self.banner.show_message(missing)
+            if missing := missing_channels(session.edits, session.take.clip):
+                lines.add(f"Some edits are left out: {missing}")
+        return lines
 
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
@@ -329,7 +332,7 @@ class MainWindow(WindowBase):
             self.setWindowTitle(f"{name.name}[*] – FaceEdit")
         before, self._journal_note = self._journal_note, self.document.journal_note
         if self._journal_note and self._journal_note != before:
-            self.banner.show_message(self._journal_note, self._journal_note)
+            self.banner.show_message(self._journal_note, self._journal_note, lasts=True)
         elif before and not self._journal_note:
             self.banner.remove(before)
         self.setWindowModified(not self.document.is_clean)
