@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 )
 from support.curves import drag, turn
 from support.waiting import run_events
-from support.windows import Bench, drag_curve, session_of
+from support.windows import Bench, drag_curve, editor_of, session_of
 
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.editing.edits.describe import describe_controls
@@ -182,6 +182,13 @@ def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
     shown = [row for row in range(count + 1) if not panel.list.isRowHidden(row)]
     assert shown == [0, 1]
     assert panel.rows == pasted
+    assert editor_of(window).settings_bar.edits.short == "2 edits", "as many as rows"
+    assert editor_of(window).lists.tabText(0) == "Edits  2"
+    window.actions_["undo"].trigger()
+    assert window.status.currentMessage() == "Undid: Paste"
+    window.actions_["redo"].trigger()
+    assert window.status.currentMessage() == "Redid: Paste"
+    panel.select_new(count)
     together = {control for edit in session.edits[1:] for control in edit.controls}
     what = panel.model.data(panel.model.index(1), COLUMNS)[1]
     assert what == describe_controls([c for c in CONTROL_IDS if c in together])

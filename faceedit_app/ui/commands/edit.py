@@ -66,13 +66,21 @@ class EditCommands:
         """Undo the last step, or cancel the drag in progress."""
         if not self._workspace.cancel_gesture():
             self._workspace.commit_gestures()
+            name = self.undo_name
             self._document.undo()
+            self._say("Undid", name)
 
     def redo(self) -> None:
         """Redo the step that was undone last."""
         if not self._workspace.cancel_gesture():
             self._workspace.commit_gestures()
+            name = self.redo_name
             self._document.redo()
+            self._say("Redid", name)
+
+    def _say(self, done: str, name: str) -> None:
+        """Say what was done to a step, in place of what was said when it was made."""
+        self._workspace.message.emit(f"{done}: {name}" if name else "")
 
     def fill_history(self, menu: QMenu) -> None:
         """List the steps, the newest on top; one that is chosen is the last that is kept."""
@@ -96,6 +104,7 @@ class EditCommands:
         self._workspace.cancel_gesture()
         self._workspace.commit_gestures()
         self._document.act(lambda session: session.travel(steps))
+        self._say("Back to" if steps < 0 else "Forward to", self.undo_name or "As opened")
 
     @property
     def has_edits(self) -> bool:

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.edits.groups import groups_of
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.face.pane import FacePane
 from faceedit_app.ui.media.film_pane import FilmPane, FilmPlace
@@ -180,7 +181,7 @@ class Editor(QWidget):
     def _name_tabs(self) -> None:
         """Show how many edits and problems there are."""
         session = self._document.session
-        edits = len(session.edits) if session is not None else 0
+        edits = len(groups_of(session.edits)) if session is not None else 0
         counts = edits, len(self.problems.problems)
         for tab, (name, count) in enumerate(zip(("Edits", "Problems"), counts, strict=True)):
             self.lists.setTabText(tab, f"{name}  {count}" if count else name)

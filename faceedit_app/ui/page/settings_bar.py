@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtWidgets import QWidget
 
 from faceedit_app.formats.timing import counted
+from faceedit_app.ui.edits.groups import groups_of
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Elided, bar_row, caption, divider, icon_button, segments
 from faceedit_app.ui.page.setting_slider import NAME, SettingSlider
@@ -89,7 +90,7 @@ class SettingsBar(QWidget):
             text = "No edits"
         elif session is not None:
             frames = counted(session.changed_frames(), "frame")
-            edits = counted(len(session.edits), "edit")
+            edits = counted(len(groups_of(session.edits)), "edit")  # as many as rows
             text = f"{edits} · {frames} changed"
         self.edits.short = edits
         self.edits.setText(text)
