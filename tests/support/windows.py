@@ -148,8 +148,8 @@ class Bench:
 
 
 def _forget(window: MainWindow) -> None:
-    """Close without being asked about edits."""
-    window.document.session = None
+    """Close without being asked about edits, or the map of a character."""
+    window.document.session = window.document.character = None
 
 
 @pytest.fixture

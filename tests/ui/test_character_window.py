@@ -229,8 +229,16 @@ def test_a_point_is_dragged_to_another_vertex(
     assert window.document.character is not None
     assert set(window.document.character.mapping.points) == {"chin"}
     assert window.document.character.points["chin"] != first.points["chin"]
+    bench.answers["unsaved_map"] = dialogs.Unsaved.CANCEL
+    assert not window.close(), "what was chosen is not lost without a question"
+    bench.answers["unsaved_map"] = dialogs.Unsaved.CANCEL
+    trigger(window, "own_character")
+    assert overlay.isVisible()
+    bench.answers["unsaved_map"] = dialogs.Unsaved.SAVE
     trigger(window, "own_character")
     assert not overlay.isVisible()
+    assert "chin" in json.loads(map_path(head).read_text(encoding="utf-8"))["points"]
+    assert window.close(), "it is saved"
 
 
 def test_a_project_remembers_the_character_and_finds_it_when_moved(

@@ -56,10 +56,28 @@ class CharacterCommands:
 
     def ask_open(self) -> None:
         """Open a character that the user chooses."""
+        if not self.may_leave():
+            return
         folder = self._workspace.preferences.folder("character")
         path = dialogs.ask_character(self._workspace.window, folder)
         if path is not None:
             self.open(path)
+
+    def open_if_saved(self, path: Path) -> None:
+        """Open a character, after asking about choices that would be lost."""
+        if self.may_leave():
+            self.open(path)
+
+    def may_leave(self) -> bool:
+        """Ask about choices in the checklist that no map holds; False if the user cancels."""
+        character = self._document.character
+        if character is None or character.mapping == self._saved:
+            return True
+        match dialogs.ask_unsaved_map(self._workspace.window, character.character.path.name):
+            case dialogs.Unsaved.SAVE:
+                return self.save_map()
+            case answer:
+                return answer is dialogs.Unsaved.DISCARD
 
     def open(self, path: Path) -> None:
         """Open a character in the background, and show its checklist."""
@@ -79,7 +97,9 @@ class CharacterCommands:
         """Offer to show the face of a take's file, if it has one and ours is shown."""
         if not self.is_shown and may_hold_character(take):
             text = f"{take.name} was opened as a take. It also has a face."
-            self._workspace.offer.emit(text, "Show it as your character", lambda: self.open(take))
+            self._workspace.offer.emit(
+                text, "Show it as your character", lambda: self.open_if_saved(take)
+            )
 
     def fill_recent(self, menu: QMenu) -> None:
         """List the characters that were opened recently and still exist."""
@@ -87,14 +107,15 @@ class CharacterCommands:
         for path in self._workspace.preferences.recent_characters():
             action = menu.addAction(path.name.replace("&", "&&"))
             action.setToolTip(str(path))
-            action.triggered.connect(lambda _checked=False, p=path: self.open(p))
+            action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent characters").setEnabled(False)
 
     def show_own(self) -> None:
         """Show FaceEdit's own character again."""
         self._workspace.end_gestures()
-        self._workspace.show_own_character()
+        if self.may_leave():
+            self._workspace.show_own_character()
 
     def ask_make(self) -> None:
         """Make a character from a scan that the user chooses."""
@@ -193,22 +214,23 @@ class CharacterCommands:
         self._checklist.raise_()
         self._refresh()
 
-    def save_map(self) -> None:
-        """Save the user's choices beside the character."""
+    def save_map(self) -> bool:
+        """Save the user's choices beside the character; False if that fails."""
         from faceedit_app.characters.map_file import map_path, write_map
 
         character = self._document.character
         if character is None:
-            return
+            return False
         path = map_path(character.character.path)
         try:
             write_map(path, character.mapping)
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
-            return
+            return False
         self._saved = character.mapping
         self._workspace.message.emit(f"Saved {path}")
         self._refresh()
+        return True
 
     def _follow(self) -> None:
         """Another character is shown: its checklist follows."""

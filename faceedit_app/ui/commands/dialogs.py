@@ -324,6 +324,17 @@ def ask_unsaved(parent: QWidget, message: str, more: str = "") -> Unsaved:
     return _choice(box, choices, Unsaved.CANCEL)
 
 
+def ask_unsaved_map(parent: QWidget, name: str) -> Unsaved:
+    """What to do with choices in a character's checklist before it is closed."""
+    message = f"What you changed in the checklist of {name} is not saved."
+    box = _question(parent, message, "A project does not hold it: a map beside the character does.")
+    role = QMessageBox.ButtonRole
+    save = box.addButton("&Save map", role.AcceptRole)
+    choices = {save: Unsaved.SAVE, box.addButton("&Discard", role.DestructiveRole): Unsaved.DISCARD}
+    box.setDefaultButton(save)
+    return _choice(box, choices, Unsaved.CANCEL)
+
+
 def ask_changed(parent: QWidget, name: str) -> Changed:
     """What to do if another program, or window, has changed a file since it was read."""
     message = f"{name} has been changed by another program, or in another window."

@@ -37,4 +37,4 @@ def take_files(workspace: Workspace, commands: Commands, paths: Sequence[Path]) 
     if as_what is dialogs.OpenAs.TAKE:
         commands.file.open_if_saved(path)
     elif as_what is dialogs.OpenAs.CHARACTER:
-        commands.file.character.open(path)
+        commands.file.character.open_if_saved(path)

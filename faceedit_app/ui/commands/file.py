@@ -68,7 +68,9 @@ class FileCommands:
 
     def open_if_saved(self, path: Path) -> None:
         """Open a file, after asking about edits that would be lost."""
-        if self.may_close():
+        # A project comes with its character.
+        is_project = path.suffix.lower() == PROJECT_SUFFIX
+        if self.may_close() and (not is_project or self.character.may_leave()):
             self.open(path)
 
     def open(self, path: Path) -> None:
@@ -83,7 +85,7 @@ class FileCommands:
             from faceedit_app.formats.registry import is_take  # not needed for other takes
 
             if not is_take(path):
-                self.character.open(path)
+                self.character.open_if_saved(path)
                 return
         if path.suffix.lower() != PROJECT_SUFFIX:
             self._workspace.opener.open(path)
@@ -254,6 +256,10 @@ class FileCommands:
                 case _:
                     return False
         return True
+
+    def may_quit(self) -> bool:
+        """Ask about all that closing the window would lose; False if the user cancels."""
+        return self.may_close() and self.character.may_leave() and self.may_stop()
 
     def may_stop(self) -> bool:
         """Ask about files that are still being written; False if the user goes on with them."""

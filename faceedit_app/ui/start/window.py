@@ -379,7 +379,7 @@ class MainWindow(WindowBase):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
-        if not (self.commands.file.may_close() and self.commands.file.may_stop()):
+        if not self.commands.file.may_quit():
             event.ignore()
             return
         if self.editor is not None:
