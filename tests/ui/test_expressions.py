@@ -10,6 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from support.character_files import write_glb
 from support.faces import random_engine
+from support.waiting import run_events
 from support.windows import Bench, session_of
 
 from faceedit_app.characters.fitted import fit
@@ -17,7 +18,8 @@ from faceedit_app.characters.registry import read_character
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.help.poses import has_pose, pose_of
 from faceedit_app.editing.help.presets import shipped_presets
-from faceedit_app.ui.page.expressions import PICTURE, Expressions
+from faceedit_app.render import Aim
+from faceedit_app.ui.page.expressions import PICTURE, Expressions, aim_of
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -38,10 +40,14 @@ def palette_of(window: MainWindow) -> Expressions:
 
 def test_each_expression_has_a_picture_of_the_face(bench: Bench, window: MainWindow) -> None:
     palette = palette_of(window)
+    window.resize(1280, 720)
+    run_events()
+    seen = palette.viewport().height()
+    assert all(button.geometry().bottom() < seen for button in palette.buttons.values()), "names"
     assert set(palette.buttons) >= {"smile", "sad_mouth", "pucker", "widen", "blink"}
     assert "calm_down" not in palette.buttons, "it does nothing to a face at rest"
     bench.qtbot.waitUntil(lambda: palette.is_drawn)
-    drawn = [size for size, _, _ in bench.renderers[0].calls if size == (PICTURE, PICTURE)]
+    drawn = [size for size, _, _ in bench.renderers[0].calls if size == PICTURE]
     assert len(drawn) == len(palette.buttons)
     before = len(bench.renderers[0].calls)
     window.document.use_engine(random_engine())
@@ -79,6 +85,13 @@ def test_a_click_applies_it_once_and_a_double_click_too(window: MainWindow) -> N
     QTest.mouseDClick(smile, LEFT)
     (edit,) = session.edits
     assert (edit.name, edit.start, edit.end) == ("Smile", 1.0, 2.0)
+
+
+def test_a_picture_shows_the_part_of_the_face_that_moves() -> None:
+    aims = {preset.id: aim_of(preset) for preset in shipped_presets() if has_pose(preset)}
+    assert aims["sad_mouth"] is Aim.MOUTH
+    assert aims["open_eyes"] is aims["anger"] is Aim.EYES
+    assert aims["surprise"] is Aim.FRONT
 
 
 def test_a_pose_is_what_the_preset_does_to_a_face_at_rest(window: MainWindow) -> None:

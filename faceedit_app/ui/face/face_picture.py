@@ -147,17 +147,19 @@ class FacePicture:
         self._pixels = self._faces(self._renderer, self._rig, size, smooth)
         self.image = _image_of(self._pixels)
 
-    def thumbnail(self, weights: Floats, side: int) -> QImage | None:
-        """A small square picture of the face with (K,) weights, from the front.
+    def thumbnail(self, weights: Floats, size: Size, aim: render.Aim) -> QImage | None:
+        """A small picture of the face, or of a part of it, with (K,) weights, from the front.
 
         None if it cannot be drawn.
         """
         if self._renderer is None or self._rig is None:
             return None
         self._begun = False
-        camera = render.aimed_camera(self._rig, render.Aim.FRONT).zoom(_NEARER).pan(0.0, -_LOWER)
+        camera = render.aimed_camera(self._rig, aim, size[0] / size[1])
+        if aim is render.Aim.FRONT:
+            camera = camera.zoom(_NEARER).pan(0.0, -_LOWER)
         with _errors_left_to_draw():
-            self._renderer.resize(side, side)
+            self._renderer.resize(*size)
             pixels = self._renderer.draw(self._rig.vertices(weights), camera, smooth=True)
             return _image_of(pixels).copy()
         return None

@@ -194,9 +194,9 @@ class Viewport(QWidget):
                 painter.drawPixmap(self.legend.pos(), self.legend.grab())
         return image
 
-    def thumbnail(self, weights: Floats, side: int) -> QImage | None:
-        """A small square picture of the face with (K,) weights; None if it cannot be drawn."""
-        return self._picture.thumbnail(weights, side)
+    def thumbnail(self, weights: Floats, size: Size, aim: Aim) -> QImage | None:
+        """See `FacePicture.thumbnail`."""
+        return self._picture.thumbnail(weights, size, aim)
 
     # --- drawing -----------------------------------------------------------------------------
 

@@ -8,8 +8,11 @@ from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QPixmap, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QWidget
 
+from faceedit_app.core.controls import control_named
+from faceedit_app.core.regions import BROWS, EYELIDS, JAW, LOWER
 from faceedit_app.editing.help.poses import has_pose, pose_of
 from faceedit_app.editing.help.presets import Preset, shipped_presets
+from faceedit_app.render import Aim
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import OneClick
@@ -20,8 +23,16 @@ if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
 
-PICTURE = 72  # pixels
-_WIDTH = PICTURE + 20
+PICTURE = (70, 48)  # pixels: on a small screen two rows are seen, with their names
+_WIDTH = PICTURE[0] + 22
+_DETAILS = {Aim.MOUTH: {LOWER.id, JAW.id}, Aim.EYES: {EYELIDS.id, BROWS.id}}
+
+
+def aim_of(preset: Preset) -> Aim:
+    """What a picture of a preset shows: the part of the face that it moves, or the whole face."""
+    controls = {control for edit in preset.edits for control in edit.controls}
+    moved = {control_named(control).region for control in controls}
+    return next((aim for aim, regions in _DETAILS.items() if moved <= regions), Aim.FRONT)
 
 
 class Expressions(QScrollArea):
@@ -51,7 +62,7 @@ class Expressions(QScrollArea):
         button.setText(preset.name)
         button.setToolTip(action.toolTip())
         button.setIcon(action.icon())
-        button.setIconSize(QSize(PICTURE, PICTURE))
+        button.setIconSize(QSize(*PICTURE))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         button.setFixedWidth(_WIDTH)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -113,7 +124,8 @@ class Expressions(QScrollArea):
         preset = self._waiting.pop(0)
         weights = pose_of(preset, session, self._document.engine)
         ratio = self.devicePixelRatioF()
-        image = self._viewport.thumbnail(weights, round(PICTURE * ratio))
+        size = round(PICTURE[0] * ratio), round(PICTURE[1] * ratio)
+        image = self._viewport.thumbnail(weights, size, aim_of(preset))
         if image is not None:
             image.setDevicePixelRatio(ratio)
             self.buttons[preset.id].setIcon(QIcon(QPixmap.fromImage(image)))
