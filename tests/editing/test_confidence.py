@@ -28,9 +28,9 @@ from faceedit_app.tracking.pose import Lens
 from faceedit_app.tracking.tracker import Tracked
 
 
-def tracked_take(folder: Path, confidence: Doubles) -> EditSession:
+def tracked_take(folder: Path, confidence: Doubles, seconds: float = 3.0) -> EditSession:
     """A take, and beside it what the tracker kept of its film."""
-    take = make_livelink_csv(folder / "take.csv", seconds=3.0)
+    take = make_livelink_csv(folder / "take.csv", seconds=seconds)
     count = len(confidence)
     film = FilmLandmarks(
         folder / "take.mp4",
@@ -74,6 +74,14 @@ def test_uncertain_frames_are_a_problem_with_a_fill(tmp_path: Path, frames: int)
     assert not unsure(session)
     session.undo()
     assert len(unsure(session)) == 1
+
+
+def test_what_is_too_long_for_one_fix_says_what_can_be_done(tmp_path: Path, frames: int) -> None:
+    confidence = np.ones(2 * frames)
+    confidence[10:-10] = 0.6
+    (problem,) = unsure(tracked_take(tmp_path, confidence, seconds=6.0))
+    assert not problem.fix
+    assert "Fill replaces up to 4 s of it at a time" in problem.why_unfixed
 
 
 def test_gaps_keep_frames_and_confidence_together(tmp_path: Path, frames: int) -> None:

@@ -16,6 +16,7 @@ from support.windows import Bench, editor_of, session_of, trigger_enabled, with_
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.page.problems_bar import ProblemsHead
+from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
@@ -145,6 +146,10 @@ def test_a_problem_that_edits_cannot_fix_says_so(window: MainWindow) -> None:
     assert window.status.currentMessage() == "1 frame is missing; edits cannot help here"
     window.commands.fix.go_to(1)
     assert "cannot" not in window.status.currentMessage()
+    editor.problem_list.sync()
+    row = editor.problem_list.model.index(0, KIND)
+    assert row.data() == "Lost frames (no fix)"
+    assert row.data(Qt.ItemDataRole.ToolTipRole).endswith("No fix: edits cannot help here")
 
 
 def test_a_problem_is_shown_where_it_is_worst_and_large_enough_to_judge(

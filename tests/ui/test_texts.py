@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 from PySide6.QtGui import Qt, QTextDocument
-from PySide6.QtWidgets import QLabel
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLabel, QToolTip
 from support.windows import Bench, add_edit
 
 from faceedit_app.ui.edits.model import EditsModel
@@ -45,6 +46,9 @@ def test_names_of_columns_and_edits_are_not_rich_text(bench: Bench) -> None:
     take = replace(session.take, notes=(HOSTILE,))
     window.status.set_take(take)
     assert visible(window.status.remarks.toolTip()) == HOSTILE
+    QTest.mouseClick(window.status.remarks, Qt.MouseButton.LeftButton)
+    assert visible(QToolTip.text()) == HOSTILE, "a click shows it as well"
+    QToolTip.hideText()
     model = EditsModel(window.document, window.timeline)
     add_edit(window)
     session.rename(0, HOSTILE)

@@ -41,6 +41,7 @@ _MOVE_WITH_LIPS: Bools = np.array([control_named(c).region == _LIPS for c in MAI
 WIDE_APART = 5.0  # mm between lips that should meet
 VIOLENT = 1.5  # mm of shaking
 MANY = 12  # lost frames
+_IN_PARTS = f"too long for one fix; Fill replaces up to {LONGEST_FILL:.0f} s of it at a time"
 HARDLY = 0.5  # confidence
 
 
@@ -69,6 +70,7 @@ class Problem:
         severity: how bad it is, 0..1, comparable between kinds.
         fix: the proposed edits; none if edits cannot help.
         about: the sound that it concerns, such as "b of “blue”"; empty for others.
+        instead: what else can be done if there is no fix; empty if nothing can.
     """
 
     kind: Kind
@@ -81,6 +83,12 @@ class Problem:
     severity: float
     fix: tuple[Edit, ...]
     about: str = ""
+    instead: str = ""
+
+    @property
+    def why_unfixed(self) -> str:
+        """Why there is no fix, and what else can be done; empty if there is one."""
+        return "" if self.fix else self.instead or "edits cannot help here"
 
 
 def find_problems(session: EditSession) -> list[Problem]:
@@ -266,7 +274,10 @@ def _dropped(
         if moved:
             message += f"; a jump in: {describe_controls(moved)}"
         size = counted(missing, "frame"), _share(missing, MANY)
-        found.append(Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix))
+        instead = _IN_PARTS if has_rows and not fix else ""
+        found.append(
+            Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix, instead=instead)
+        )
     return found
 
 
@@ -314,6 +325,7 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
                 f"{100 * sure:.0f} % sure",
                 _share(UNSURE - sure, UNSURE - HARDLY),
                 (fill,) if fits else (),
+                instead="" if fits else _IN_PARTS,
             )
         )
     return found

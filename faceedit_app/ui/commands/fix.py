@@ -189,8 +189,8 @@ class FixCommands:
                 page.proposal.discard()
             page.problems.go_to(index)
             problem = page.problems.problems[index]
-            helpless = "" if problem.fix else "; edits cannot help here"
-            self._workspace.message.emit(problem.message + helpless)
+            why = problem.why_unfixed
+            self._workspace.message.emit(f"{problem.message}; {why}" if why else problem.message)
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QModelIndex, QPoint, QSignalBlocker, Qt, Signal
+from PySide6.QtCore import (
+    QModelIndex,
+    QPersistentModelIndex,
+    QPoint,
+    QSignalBlocker,
+    QSize,
+    Qt,
+    Signal,
+)
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
     QLabel,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
     QTreeView,
     QVBoxLayout,
     QWidget,
@@ -23,6 +34,7 @@ from faceedit_app.ui.state.clock import shown_time
 from faceedit_app.ui.state.timeline import Timeline
 
 _EVERYTHING = "All kinds"
+_Index = QModelIndex | QPersistentModelIndex
 
 
 _MENU = (("fix_problem",), ("tick_problem", "tick_all", "untick_all"), ("fix_all",))
@@ -49,6 +61,19 @@ class _Rows(QTreeView):
         super().keyPressEvent(event)
         if self.currentIndex() != before:
             self.stepped.emit(self.currentIndex())
+
+
+class _Indent(QStyledItemDelegate):
+    """Leaves the place of the box free in rows that have none, so that all names are in line."""
+
+    def initStyleOption(self, option: QStyleOptionViewItem, index: _Index) -> None:
+        """Ask for room for an icon that draws nothing."""
+        super().initStyleOption(option, index)
+        has_box = QStyleOptionViewItem.ViewItemFeature.HasCheckIndicator
+        if not option.features & has_box:
+            width = option.widget.style().pixelMetric(QStyle.PixelMetric.PM_IndicatorWidth)
+            option.features |= QStyleOptionViewItem.ViewItemFeature.HasDecoration
+            option.decorationSize = QSize(width, 1)
 
 
 class ProblemsList(QWidget):
@@ -92,6 +117,7 @@ class ProblemsList(QWidget):
         rows.setObjectName("problems_list")
         rows.setAccessibleName("Problems")
         rows.setModel(self.model)
+        rows.setItemDelegateForColumn(KIND, _Indent(rows))
         rows.setRootIsDecorated(False)
         rows.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         rows.setUniformRowHeights(True)

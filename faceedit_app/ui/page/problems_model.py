@@ -143,7 +143,8 @@ class ProblemsModel(QAbstractTableModel):
                 on = self.is_ticked(problem)
                 return Qt.CheckState.Checked if on else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole:
-                return problem.message
+                why = problem.why_unfixed
+                return f"{problem.message}\nNo fix: {why}" if why else problem.message
             case Qt.ItemDataRole.AccessibleTextRole if column == KIND:
                 return f"{problem.message}, at {self._shown_time(problem.time)}"
             case Qt.ItemDataRole.TextAlignmentRole if column == AMOUNT:
@@ -161,7 +162,8 @@ class ProblemsModel(QAbstractTableModel):
 
 
 def _name(problem: Problem) -> str:
-    return f"{ONE[problem.kind]}: {problem.about}" if problem.about else ONE[problem.kind]
+    name = f"{ONE[problem.kind]}: {problem.about}" if problem.about else ONE[problem.kind]
+    return name if problem.fix else f"{name} (no fix)"
 
 
 def _key(problem: Problem) -> tuple[str, float]:

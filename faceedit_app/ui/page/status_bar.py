@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -12,6 +13,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QSizePolicy,
     QStatusBar,
+    QToolTip,
     QWidget,
 )
 
@@ -21,6 +23,30 @@ from faceedit_app.formats.timing import counted, format_rate, format_time
 from faceedit_app.ui.look.texts import plain_label, plain_tip
 
 _DOT = "   ·   "
+_READ = 60_000  # ms that a tooltip stays after a click, while the pointer does
+
+
+class _Fact(QLabel):
+    """A fact whose tooltip says more; a click shows it at once and for as long as it is read."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+
+    def explain(self, tip: str) -> None:
+        """Set the tooltip, and a pointer that shows that there is one."""
+        self.setToolTip(tip)
+        shape = Qt.CursorShape.PointingHandCursor if tip else Qt.CursorShape.ArrowCursor
+        self.setCursor(shape)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take the click."""
+        event.accept()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Show the tooltip. Pressing or releasing the mouse hides one that is there already."""
+        place = event.globalPosition().toPoint()
+        QToolTip.showText(place, self.toolTip(), self, self.rect(), _READ)
 
 
 class StatusBar(QStatusBar):
@@ -35,7 +61,7 @@ class StatusBar(QStatusBar):
     def __init__(self) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
-        self.facts, self.gaps, self.remarks, self.networks = (plain_label() for _ in range(4))
+        self.facts, self.gaps, self.remarks, self.networks = (_Fact() for _ in range(4))
         for label in (self.facts, self.gaps, self.remarks):
             self.addWidget(label)
         self.live = plain_label()
@@ -55,7 +81,7 @@ class StatusBar(QStatusBar):
             format_time(clip.duration),
         ]
         self.facts.setText(_DOT.join(parts))
-        self.facts.setToolTip(plain_tip(str(take.path)))
+        self.facts.explain(plain_tip(str(take.path)))
         gaps = gap_notes(clip.gaps)
         others = [note for note in take.notes if note not in gaps]
         self._add(self.gaps, gaps[0] if gaps else "", take.notes)
@@ -63,9 +89,9 @@ class StatusBar(QStatusBar):
         _mark(self.gaps, True)
 
     @staticmethod
-    def _add(label: QLabel, text: str, details: Sequence[str]) -> None:
-        label.setText(f" ·   {text}" if text else "")
-        label.setToolTip(plain_tip("\n".join(details)))
+    def _add(fact: _Fact, text: str, details: Sequence[str]) -> None:
+        fact.setText(f" ·   {text}" if text else "")
+        fact.explain(plain_tip("\n".join(details)))
 
     def _work_display(self) -> QWidget:
         display = QWidget()
@@ -104,7 +130,7 @@ class StatusBar(QStatusBar):
             "missing": "No face model: edits look less natural",
         }
         self.networks.setText(texts[state])
-        self.networks.setToolTip(plain_tip(reason))
+        self.networks.explain(plain_tip(reason))
         _mark(self.networks, state == "missing")
 
 
