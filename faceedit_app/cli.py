@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from pathlib import Path
 
-from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 from faceedit_app.ui.start import display
 
 USAGE_ERROR = 2
+STOPPED = 130
 _CHARACTER = "--character"
 DEMO_OUTPUT = Path("out") / "demo"
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run FaceEdit; returns the exit code: 0, or 2 after one line on standard error."""
+    """Run FaceEdit; returns the exit code: 0, 2 after one line on standard error, 130 at Ctrl+C."""
     given = sys.argv[1:] if arguments is None else arguments
     if "--multiprocessing-fork" in sys.argv:  # the installed application, as a process of a batch
         import multiprocessing
@@ -30,8 +32,15 @@ def main(arguments: list[str] | None = None) -> int:
     except FaceEditError as error:
         say(f"faceedit: {error.for_command}", to=sys.stderr)
         return USAGE_ERROR
+    except OSError as error:  # such a name cannot even be looked for
+        if error.errno != errno.ENAMETOOLONG:
+            raise
+        too_long = FileError(error.filename, "has too long a name", "choose a shorter one")
+        say(f"faceedit: {too_long.for_command}", to=sys.stderr)
+        return USAGE_ERROR
     except KeyboardInterrupt:
-        return 130
+        say("faceedit: stopped", to=sys.stderr)
+        return STOPPED
 
 
 def _is_command(given: list[str]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -23,11 +24,14 @@ def run_here(tasks: list[Task], jobs: int) -> Iterator[Outcome]:
     broken: list[Task] = []
     with _pool(jobs) as pool:
         waiting: dict[Future[Outcome], Task] = {pool.submit(perform, task): task for task in tasks}
-        for future in as_completed(waiting):
-            try:
-                yield future.result()
-            except BrokenProcessPool:
-                broken.append(waiting[future])
+        try:
+            for future in as_completed(waiting):
+                try:
+                    yield future.result()
+                except BrokenProcessPool:
+                    broken.append(waiting[future])
+        finally:  # at Ctrl+C, what was not begun is not done
+            pool.shutdown(cancel_futures=True)
     for task in broken:  # one of them ended its process, and the others with it: each alone now
         with _pool(1) as pool:
             try:
@@ -38,7 +42,13 @@ def run_here(tasks: list[Task], jobs: int) -> Iterator[Outcome]:
 
 def _pool(jobs: int) -> ProcessPoolExecutor:
     # Not by fork: the parent has threads of numpy and ONNX Runtime.
-    return ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(jobs, context, initializer=_leave_ctrl_c)
+
+
+def _leave_ctrl_c() -> None:
+    """In a process of a batch: Ctrl+C is for the parent, which ends it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def run_on_cluster(tasks: list[Task], scheduler: str) -> Iterator[Outcome]:

@@ -27,6 +27,7 @@ from faceedit_app.core.optional import require
 from faceedit_app.core.texts import say
 
 USAGE_ERROR = 2
+_STOPPED = 130
 _Command = Callable[..., object]
 COMMANDS: tuple[_Command, ...] = (
     *(takes.info, takes.apply, takes.convert),
@@ -37,14 +38,21 @@ LABORATORY: tuple[_Command, ...] = (*laboratory.COMMANDS, *attacks.COMMANDS)
 
 
 def run_command(given: list[str]) -> int:
-    """Run one command; returns its exit code: 2 after one line about wrong usage."""
+    """Run one command; returns its exit code: 2 after one line about wrong usage.
+
+    Raises:
+        KeyboardInterrupt: the user pressed Ctrl+C.
+    """
     try:
-        return int(_all()(given, prog_name="faceedit", standalone_mode=False) or 0)
+        code = int(_all()(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
         say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR
     except typer.Abort:
-        return 130
+        code = _STOPPED
+    if code == _STOPPED:  # what the library makes of Ctrl+C
+        raise KeyboardInterrupt
+    return code
 
 
 def build_app(has_laboratory: bool) -> typer.Typer:

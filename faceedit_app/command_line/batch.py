@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
@@ -115,5 +116,8 @@ def _worked_on(
                     say(f"[{done}/{of}] {outcome.name}: {said}")
 
             return run(tasks, log, jobs, scheduler, report)
+    except KeyboardInterrupt:
+        say("what is written stays; run the same command again to go on", to=sys.stderr)
+        raise
     finally:
         log.close()

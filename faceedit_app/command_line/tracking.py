@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.command_line.options import JsonOption, check_csv
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import check_folder, check_writable, keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 
 _REPORT = "side_by_side"  # the name of its files
@@ -52,17 +52,22 @@ def track(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Track the face in a film: write the take that a phone would have recorded."""
+    """Track the face in a film: write the take that a phone would have recorded.
+
+    Of a folder, a film that cannot be tracked stops nothing; the exit code is then 1.
+    """
     from faceedit_app.editing.opening import shipped_rig
     from faceedit_app.formats.opening import checked_rate
 
     place = None if face is None else _place(face)
-    if edits is not None and report is None:
-        raise FaceEditError("--edits shows edits in the report: give --report DIR as well")
+    _check_report(report, edits, fps)
     if fps is not None:
         fps = checked_rate(film, fps)
+    jobs = _jobs(film, output)
+    for path in _written(jobs[0][1], None):  # a long film is not tracked in vain
+        check_writable(path)
     rig, code, facts = shipped_rig(), 0, []
-    for path, take in _jobs(film, output):
+    for path, take in jobs:
         try:
             keep_inputs(_written(take, None if film.is_dir() else report), [path, edits])
             found = _track_one(path, take, rig, fps, place, None if as_json else _Line(path))
@@ -70,14 +75,14 @@ def track(
             if film.is_file():
                 raise
             print(f"faceedit: {error.for_command}", file=sys.stderr)
-            code = 2
+            code = 1
             continue
         facts.append(_facts(found, take, fps))
         if not as_json:
             print(_text(facts[-1]))
         if report is not None:
             folder = report / take.name.removesuffix("_tracked.csv") if film.is_dir() else report
-            for written in _report(folder, found, take, rig, edits, fps):
+            for written in _report(folder, found, take, rig, edits):
                 if not as_json:
                     print(written)
     if as_json:
@@ -138,6 +143,20 @@ def webcam(
         raise FaceEditError(f"{chosen.name} sent no picture")
 
 
+def _check_report(report: Path | None, edits: Path | None, fps: float | None) -> None:
+    """Check what a report needs before a long film is tracked."""
+    from faceedit_app.editing.files.edits_file import read_edits
+
+    if edits is not None:
+        if report is None:
+            raise FaceEditError("--edits shows edits in the report: give --report DIR as well")
+        if fps is not None:
+            raise FaceEditError("--edits needs the film's own frame rate: leave --fps out")
+        read_edits(edits)
+    if report is not None:
+        check_folder(report)
+
+
 def _written(take: Path, report: Path | None) -> list[Path]:
     """The files of a take that is tracked, and of its report."""
     from faceedit_app.tracking.landmark_file import beside
@@ -154,12 +173,14 @@ def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
         raise FileError(film, "does not exist", "check the name and the folder")
     if not film.is_dir():
         take = output or film.with_name(f"{film.stem}_tracked.csv")
-        take = take / f"{film.stem}.csv" if take.is_dir() else take
+        take = take / f"{film.stem}_tracked.csv" if take.is_dir() else take
         check_csv(take)
         return [(film, take)]
     films = sorted(path for path in film.iterdir() if path.suffix.lower() in FILM_ENDINGS)
     if not films:
         raise FileError(film, "has no films", f"put {', '.join(FILM_ENDINGS)} files into it")
+    if output is not None and output.suffix.lower() == ".csv" and not output.exists():
+        raise FileError(output, "would be a folder of takes", "give a folder, or a single film")
     folder = output or film
     if output is not None:
         try:
@@ -198,15 +219,13 @@ def _track_one(
 
 
 def _report(
-    folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None, fps: float | None
+    folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None
 ) -> tuple[Path, Path]:
     from faceedit_app.editing.opening import load_engine, open_session
     from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
 
     edited = None
     if edits is not None:
-        if fps is not None:
-            raise FaceEditError("--edits needs the film's own frame rate: leave --fps out")
         session = open_session(take, rig, load_engine(rig))
         session.load_edits(edits)
         edited = session.weights

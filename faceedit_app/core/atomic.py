@@ -62,6 +62,45 @@ def write_atomically(path: Path | str, content: bytes) -> None:
     remove_leftovers(path.parent)
 
 
+def check_writable(path: Path) -> None:
+    """Check that a file can be written, before work whose result it will hold.
+
+    Nothing is left behind, and a file that is there stays as it is.
+
+    Raises:
+        FileError: as `write_atomically` would.
+    """
+    try:
+        real = Path(os.path.realpath(path))
+        if real.exists() and not real.is_file():
+            raise FileError(path, "cannot be written (it is not a file)", "choose another name")
+        with tempfile.TemporaryFile(dir=real.parent):
+            pass
+    except OSError as error:
+        raise not_written(path, error) from error
+
+
+def check_folder(folder: Path) -> None:
+    """Check that files can be written into a folder, which may have to be made for them.
+
+    Raises:
+        FileError: they cannot.
+    """
+    there = Path(os.path.realpath(folder))
+    while not os.path.lexists(there):
+        there = there.parent
+    try:
+        if not there.is_dir():
+            raise FileError(
+                folder, f"cannot be a folder ({there.name} is a file)", "choose another"
+            )
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(folder, f"cannot be written into ({reason})", "choose another") from error
+
+
 def not_written(path: Path | str, error: OSError) -> FileError:
     """The error about a file that the system did not let be written."""
     if isinstance(error, FileNotFoundError) and not Path(path).parent.exists():

@@ -361,3 +361,14 @@ def test_apply_writes_the_format_of_the_ending(take: Path, tmp_path: Path, model
     assert (tmp_path / "out.take").read_bytes() == (tmp_path / "out.csv").read_bytes()
     assert (glb.format, json_.format) == ("GLB animation", "Audio2Face JSON")
     np.testing.assert_allclose(glb.clip.arkit_weights(), own.clip.arkit_weights(), atol=1e-7)
+
+
+def test_a_stop_is_said_in_one_line(
+    take: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def stop(*_given: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("faceedit_app.formats.opening.open_take", stop)
+    assert main(["info", str(take)]) == 130
+    assert capfd.readouterr().err == "faceedit: stopped\n"

@@ -71,7 +71,7 @@ def test_a_folder_is_tracked_and_what_fails_is_reported(
     (films / "a.mp4").write_bytes(film.read_bytes())
     (films / "A.mov").write_bytes(film.read_bytes())
     make_film(films / "b.mp4")
-    assert main(["track", str(films), "-o", str(tmp_path / "takes"), "--json"]) == 2
+    assert main(["track", str(films), "-o", str(tmp_path / "takes"), "--json"]) == 1
     said = capsys.readouterr()
     other, facts = sorted(json.loads(said.out), key=lambda one: str(one["path"]))
     assert facts["frames"] == other["frames"] == FRAMES
@@ -185,6 +185,34 @@ def test_a_csv_is_written_only_under_the_name_of_one(
     assert not (tmp_path / name).exists()
 
 
+@pytest.mark.parametrize(
+    ("more", "problem"),
+    [
+        (["-o", "no/me.csv"], "no/me.csv: cannot be written (its folder does not exist)"),
+        (["-o", "file/me.csv"], "file/me.csv: cannot be written (not a directory)"),
+        (["-o", f"{'m' * 300}.csv"], ".csv: has too long a name; choose a shorter one"),
+        (["--report", "file"], "file: cannot be a folder (file is a file)"),
+        (["--report", "file/new"], "file/new: cannot be a folder (file is a file)"),
+        (["--report", "new", "--edits", "file"], "file, line 1: is not JSON"),
+        (["--report", "new", "--edits", "file", "--fps", "30"], "leave --fps out"),
+    ],
+)
+def test_what_cannot_be_written_is_said_before_a_film_is_tracked(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    more: list[str],
+    problem: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film.mp4").write_bytes(b"not read before the check")
+    (tmp_path / "file").write_text("mine")
+    assert main(["track", "film.mp4", *more]) == 2
+    [said] = capsys.readouterr().err.splitlines()
+    assert problem in said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "film.mp4"]
+
+
 def test_films_are_not_tracked_into_a_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -193,4 +221,6 @@ def test_films_are_not_tracked_into_a_file(
     assert main(["track", str(tmp_path), "-o", str(tmp_path / "takes")]) == 2
     [said] = capsys.readouterr().err.splitlines()
     assert "takes: cannot be a folder" in said
+    assert main(["track", str(tmp_path), "-o", str(tmp_path / "me.csv")]) == 2
+    assert "me.csv: would be a folder of takes; give a folder" in capsys.readouterr().err
     assert (tmp_path / "takes").read_text() == "mine"
