@@ -135,6 +135,7 @@ def test_wrong_words_and_numbers_are_one_line(take: faceedit_app.Take) -> None:
         (lambda take, f: take.edit("mouth_opening", by="3"), "by='3': must be a number"),
         (lambda take, f: take.edit("mouth_opening", by=3, start=None), "start=None: must be"),
         (lambda take, f: take.edit(3, by=3), "must be names"),
+        (lambda take, f: take.edit(["jawOpen", "mouth_width"], by=3), "cannot be mixed in one"),
         (lambda take, f: take.preset("smile", start="a"), "start='a': must be a number"),
         (lambda take, f: take.preset(3), "3: must be the name of a file"),
         (lambda take, f: faceedit_app.open(NOTHING), "None: must be the name of a file"),

@@ -68,7 +68,10 @@ def finite(array: NDArray[Any], what: str) -> NDArray[Any]:
     """
     # NaN and infinity show in the minimum and the maximum.
     if array.size and not (array.min() > -_FARTHEST and array.max() < _FARTHEST):
-        raise Damaged(f"{what} are not numbers")
+        if not np.isfinite(array).all():
+            raise Damaged(f"{what} are not numbers")
+        largest = float(max(-array.min(), array.max()))
+        raise Damaged(f"{what} are too large, up to {largest:.0e}")
     return array
 
 

@@ -147,13 +147,21 @@ def _report(take: Path, output: Path, written: Written, as_json: bool) -> None:
 def _cuts(given: list[str]) -> list[Splice]:
     from faceedit_app.editing.edits.splice import Splice
 
-    return [Splice(*_numbers(_CUT, "--cut", one, "START-END, such as 1.2-1.8")) for one in given]
+    ranges = [_numbers(_CUT, "--cut", one, "START-END, such as 1.2-1.8") for one in given]
+    for (start, end), one in zip(ranges, given, strict=True):
+        if end <= start:
+            how = f"its end is before its start; try {end:g}-{start:g}"
+            raise FaceEditError(f"--cut {one}: {how if end < start else 'cuts nothing out'}")
+    return [Splice(start, end) for start, end in ranges]
 
 
 def _inserts(given: list[str]) -> list[Splice]:
     from faceedit_app.editing.edits.splice import Splice
 
     pairs = [_numbers(_INSERT, "--insert", one, "AT+SECONDS, such as 2.0+0.5") for one in given]
+    for (_, seconds), one in zip(pairs, given, strict=True):
+        if seconds == 0:
+            raise FaceEditError(f"--insert {one}: inserts nothing")
     return [Splice(at, at, seconds) for at, seconds in pairs]
 
 

@@ -28,6 +28,7 @@ from faceedit_app.media import FILM_ENDINGS
 
 if TYPE_CHECKING:
     from faceedit_app.editing.edits.settings import Settings
+    from faceedit_app.editing.exporting import OutFormat
     from faceedit_app.editing.session import EditSession
     from faceedit_app.formats.take import Take
     from faceedit_app.networks.engine import Engine
@@ -72,6 +73,7 @@ def apply(
     from faceedit_app.formats.timing import counted
 
     settings = _settings(mode, naturalness, reach)
+    _check_edits(edits)
     keep_inputs([output], [edits, character, models])
     rig = shipped_rig()
     engine = load_engine(rig, models)
@@ -93,6 +95,19 @@ def apply(
         f"{output}: {counted(len(session.edits), 'edit')}, "
         f"{changed} of {len(session.take.clip)} frames changed"
     )
+
+
+def _check_edits(path: Path) -> None:
+    """Refuse the name of a preset, which is no file."""
+    from faceedit_app.editing.help.presets import load_presets
+
+    if path.exists():
+        return
+    if str(path).lower() in {name.lower() for p in load_presets()[0] for name in (p.id, p.name)}:
+        raise FaceEditError(
+            f"{path}: is a preset, not a file of edits; faceedit batch {path} FOLDER -o RESULTS "
+            "applies it to the takes in a folder"
+        )
 
 
 def _settings(mode: str, naturalness: float, reach: float) -> Settings:
@@ -170,6 +185,7 @@ def convert(
         exporting.choose(output, form)  # before a long take is read
     opened = _opened(take, take_fps, fps)
     chosen = exporting.choose(output, form, opened, fps, character is not None)
+    _check_used(chosen, character, compact, follow_head)
     options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
     clip, remarks = written.clip, written.said("--follow-head")
@@ -180,6 +196,19 @@ def convert(
     say(f"{output}: {chosen.name}, {len(clip)} frames at {format_rate(clip.rate)}")
     for line in (*remarks, *chosen.hints(clip.rate)):
         say(f"  {line}")
+
+
+def _check_used(form: OutFormat, character: Path | None, compact: bool, follow_head: bool) -> None:
+    """Refuse options that would do nothing in a format."""
+    for name, is_given, is_used in (
+        ("--character", character is not None, form.has_character),
+        ("--follow-head", follow_head, form.has_character),
+        ("--compact", compact, form.is_compact),
+    ):
+        if is_given and not is_used:
+            others = "glb" if name == "--compact" else "glb, fbx, usd and usdz"
+            where = f"the format {form.name}"
+            raise FaceEditError(f"{name} does nothing in {where}: it is for {others}")
 
 
 def _warnings(session: EditSession, engine: Engine) -> list[str]:

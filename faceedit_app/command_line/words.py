@@ -153,8 +153,12 @@ def _warn_of_noise(transcript: Transcript) -> None:
 def _check_said(text: str | None, file: Path | None) -> None:
     from faceedit_app.words.files import READ_ENDINGS
 
-    if (text is None) == (file is None):
+    if text is None and file is None:
         raise FaceEditError("words needs what is said: --text TEXT, or --words FILE")
+    if text is not None and file is not None:
+        raise FaceEditError("--text and --words both give what is said: leave one of them out")
+    if text is not None and not text.strip():
+        raise FaceEditError("--text is empty: give the words that are said")
     if len((text or "").split()) == 1 and Path(text or "").suffix.lower() in READ_ENDINGS:
         raise FaceEditError(f"--text {text}: is the name of a file; give it as --words {text}")
 

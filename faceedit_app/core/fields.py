@@ -283,8 +283,9 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
         reason = (error.strerror or str(error)).lower()
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     except json.JSONDecodeError as error:
+        problem = f"is not JSON ({_json_problem(error)} at column {error.colno})"
         raise FileError(
-            path, f"is not JSON ({error.msg})", f"choose another {kind}", error.lineno
+            path, problem, f"correct it, or choose another {kind}", error.lineno
         ) from error
     except FieldError as error:
         remedy = "choose one that FaceEdit saved"
@@ -299,6 +300,14 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
             "update FaceEdit",
         )
     return fields
+
+
+def _json_problem(error: json.JSONDecodeError) -> str:
+    """What is wrong at the place of an error."""
+    before, there = error.doc[: error.pos].rstrip(), error.doc[error.pos : error.pos + 1]
+    if before.endswith(",") and there and there in "]}":
+        return f'the comma before "{there}" is one too many,'
+    return error.msg[:1].lower() + error.msg[1:]
 
 
 def _content(path: Path) -> bytes:

@@ -24,6 +24,7 @@ _GLTF = re.compile(rb'\s*\{.*"asset"\s*:\s*\{[^}]*"version"', re.DOTALL)
 _PICKLE = re.compile(rb"\x80[\x02-\x05].*\.", re.DOTALL)
 _WEB_PAGE = re.compile(rb"\s*<(?:!doctype html|html|head)\b", re.IGNORECASE)
 _AS_GLB_OR_CSV = "export the animation as GLB or CSV"
+_AS_USDA = "save it as text (.usda): usdcat -o TAKE.usda FILE"
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
 
 
@@ -35,11 +36,13 @@ class Foreign:
         problem: what it is, as a phrase about the file.
         remedy: what the user can do.
         sniff: whether a file's content is of this kind.
+        command_remedy: what can be done where a command was typed; "" = the same.
     """
 
     problem: str
     remedy: str
     sniff: Callable[[bytes], bool]
+    command_remedy: str = ""
 
 
 def recognise_foreign(content: bytes) -> Foreign | None:
@@ -63,6 +66,13 @@ def _is_archive_of(*names: bytes) -> Callable[[bytes], bool]:
     return lambda content: (
         content.startswith(b"PK\x03\x04") and any(name in content for name in names)
     )
+
+
+def _is_film(content: bytes) -> bool:
+    """MP4, QuickTime, Matroska, WebM, AVI or MPEG, by how they begin."""
+    is_mp4 = content[4:8] in (b"ftyp", b"moov", b"mdat") and content[8:11] != b"M4A"
+    is_avi = content[:4] == b"RIFF" and content[8:11] == b"AVI"
+    return is_mp4 or is_avi or content.startswith((b"\x1aE\xdf\xa3", b"\0\0\x01\xba"))
 
 
 def _is_number(cell: bytes) -> bool:
@@ -107,11 +117,13 @@ _FOREIGN: tuple[Foreign, ...] = (
     Foreign("is a glTF in text form", "save it as one GLB file", _matches(_GLTF)),
     Foreign("is a GLB without an animation of shapes with ARKit names",
             "export the character with its shape keys and their animation", _starts(b"glTF")),
+    Foreign("is a film, not a take", "track it: File > Track a film", _is_film,
+            "faceedit track makes a take of it"),
     Foreign("is an FBX file", _AS_GLB_OR_CSV, _starts(b"Kaydara FBX Binary", b"; FBX")),
-    Foreign("is a USD file in binary form", "save it as text (.usda)", _starts(b"PXR-USDC")),
+    Foreign("is a USD file in binary form", _AS_USDA, _starts(b"PXR-USDC")),
     Foreign("is USD text without an animation of ARKit's shapes", _AS_GLB_OR_CSV,
             _starts(b"#usda")),
-    Foreign("is a USD package", "save it as text (.usda)", _is_archive_of(b".usd")),
+    Foreign("is a USD package", _AS_USDA, _is_archive_of(b".usd")),
     Foreign("is an Alembic cache, which has no blendshapes", _AS_GLB_OR_CSV,
             _starts(b"Ogawa", b"\x89HDF\r\n\x1a\n\0\0\0\0\0\x08\x08\0\x04\0\x10\0")),
     Foreign("is a Maya file", "write its curves as CSV with a line of ARKit names at the top",

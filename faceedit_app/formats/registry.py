@@ -158,7 +158,7 @@ def recognise(path: Path, content: bytes) -> Format:
         return found
     foreign = recognise_foreign(content)
     if foreign is not None:
-        raise NotTake(path, foreign.problem, foreign.remedy)
+        raise NotTake(path, foreign.problem, foreign.remedy, command_remedy=foreign.command_remedy)
     check_text(path, content)
     line = 1 + next(
         k for k, text in enumerate(content.removeprefix(BOM).splitlines()) if text.strip()

@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.media import is_film, is_media
 
 if TYPE_CHECKING:
     from av.audio.stream import AudioStream
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
+_AS_MP4 = "convert it to MP4 (H.264) and use that"
 _COVER = 0x400  # FFmpeg's AV_DISPOSITION_ATTACHED_PIC
-_REMEDY = "convert it to WAV or MP4 (H.264) and use that"
 
 
 class Abandoned(Exception):
@@ -81,7 +82,11 @@ def _explained(path: Path, error: Exception) -> FileError:
     if isinstance(error, MemoryError):
         return FileError(path, "needs more memory than there is", "cut out the part of the take")
     reason = (getattr(error, "strerror", "") or str(error) or type(error).__name__).lower()
-    return FileError(path, f"cannot be read as sound or film ({reason})", _REMEDY)
+    kind, form = "sound or film", "WAV or MP4 (H.264)"
+    if is_media(path):
+        kind, form = ("a film", "MP4 (H.264)") if is_film(path) else ("a sound", "WAV")
+    remedy = f"copy it again if it is damaged, or convert it to {form} and use that"
+    return FileError(path, f"cannot be read as {kind} ({reason})", remedy)
 
 
 def films(container: InputContainer) -> list[VideoStream]:
@@ -123,7 +128,7 @@ def film_stream(container: InputContainer) -> VideoStream:
     if stream is None:
         raise FileError(path, "has no pictures", "choose another file")
     if stream.codec_context is None:
-        raise FileError(path, "has pictures in a format that FFmpeg does not know", _REMEDY)
+        raise FileError(path, "has pictures in a format that FFmpeg does not know", _AS_MP4)
     return stream
 
 

@@ -26,6 +26,7 @@ READ_ENDINGS = (".textgrid", ".srt", ".vtt", ".json", ".txt")
 WRITE_ENDINGS = (".TextGrid", ".srt", ".json")
 _LARGEST = 16 * 2**20  # bytes; an hour of speech is 1 MB
 _RTF = r"{\rtf"
+_ASS = "[Script Info]"
 
 
 def read_words(path: Path) -> Imported:
@@ -96,6 +97,8 @@ def _read_text(path: Path, content: bytes) -> Imported:
     text = decoded(path, content)
     if subtitles.ARROW in text:
         return subtitles.read(path, content)
+    if text.lstrip().startswith(_ASS):
+        raise FileError(path, "holds subtitles in the format ASS", "save them as SRT")
     if text.startswith(_RTF):
         raise FileError(path, "is rich text", "save it as plain text")
     return Imported((Line(clean_text(text, _LARGEST)),))

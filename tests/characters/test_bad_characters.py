@@ -138,6 +138,7 @@ def test_no_triangles(tmp_path: Path) -> None:
         ("a.obj", b"v 0 0\nf 1 1 1\n", "three numbers"),
         ("a.obj", b"v a b c\nf 1 1 1\n", "three numbers"),
         ("a.obj", b"v 0 0 inf\nf 1 1 1\n", "not numbers"),
+        ("a.obj", b"v 0 0 -1e12\nf 1 1 1\n", "are too large, up to 1e+12"),
         ("a.blend", b"BLENDER-v300", "Blender"),
         ("a.usdz", b"PK", "USD"),
         ("a.png", b"\x89PNG", "not a character file"),

@@ -124,7 +124,7 @@ def test_bad_files_are_one_line(bench: Bench, devices: list[FakeOutput]) -> None
     window.media.add(bad)
     settle(bench, window)
     assert len(bench.errors) == 1
-    assert "cannot be read as sound or film" in bench.errors[0]
+    assert "cannot be read as a" in bench.errors[0]
     assert "\n" not in bench.errors[0]
 
 

@@ -59,8 +59,13 @@ def edit_by_name(
     names = (curves,) if isinstance(curves, str) else tuple(many)
     if not names or not all(isinstance(name, str) for name in names):
         raise FaceEditError(f"{curves!r:.40}: must be names of curves or channels")
-    channels = names if all(name in CHANNEL_INDEX for name in names) else ()
-    controls = () if channels else tuple(map(control_by_name, names))
+    channels = tuple(name for name in names if name in CHANNEL_INDEX)
+    controls = tuple(control_by_name(name) for name in names if name not in channels)
+    if channels and controls:
+        raise FaceEditError(
+            f"{controls[0]} is a curve and {channels[0]} a channel, which cannot be mixed in one "
+            "edit: make one of each"
+        )
     last = number_or_none("end", span[1])
     start, end = number("start", span[0]), float(clip.times[-1]) if last is None else last
     falloff, strength = number("falloff", falloff), number("strength", strength)
