@@ -17,6 +17,13 @@ from faceedit_app.core.arrays import Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import REPAIR, shown
+from faceedit_app.formats.second_take import (
+    after_header,
+    begun_again,
+    check_numbers,
+    check_one_take,
+    not_gone_on,
+)
 from faceedit_app.formats.timecode import (
     BadTimecode,
     clock_times,
@@ -128,6 +135,8 @@ def read_times(
         try:
             kind, timing = _READERS[kind](cells, name)
         except NoTimes as none:
+            if none.numbers is None:
+                check_numbers(table, cells, lines)
             kind = "frames" if none.numbers is not None else kind
             if useless is None or none.numbers is not None:
                 useless = RowTimes(none, column, kind)
@@ -142,6 +151,7 @@ def read_times(
         except BadRow as bad:
             raise _out_of_order(table, cells, bad.row, lines) from None
         else:
+            check_one_take(table, cells, lines, kind, timing)
             return RowTimes(timing, column, kind)
     return useless or RowTimes(NoTimes("has no column with times"))
 
@@ -164,11 +174,9 @@ def text_times(cells: Sequence[str], name: str = "time") -> Timing:
 
 def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:
     if cells[row] == cells[0] and row + 1 < len(cells):
-        return table.error(
-            f"the times begin again at {shown(cells[row])}: a second take follows",
-            "move its rows to a file of their own",
-            lines[row],
-        )
+        return begun_again(table, cells, row, lines)
+    if row in after_header(table, lines):
+        return not_gone_on(table, cells, row, lines)
     return table.error(
         f"the time {shown(cells[row])} does not come after {shown(cells[row - 1])}",
         "sort the rows by time and remove repeated ones",

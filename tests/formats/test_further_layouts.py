@@ -40,10 +40,19 @@ def at(n: int, rate: int = 30) -> str:
     return f"{n // rate:02d}.{n % rate * 1000 // rate:03d}"
 
 
+def code(n: int) -> str:
+    """A timecode at 30 fps."""
+    return f"10:00:{n // 30:02d}:{n % 30:02d}"
+
+
 columns = [list(column) for column in zip(*weights(), strict=True)]
 
 OPENED: dict[str, tuple[str, float]] = {
     "a header on each page": (lines_of([*table()[:31], table()[0], *table()[31:]]), 30),
+    "a timecode that was set back": (
+        lines_of(table(lambda n: code(n if n < 40 else n - 35), "Timecode")),
+        30,
+    ),
     "rows of a table in JSON": (
         json.dumps([["time", *NAMES], *([n / 25, *row] for n, row in enumerate(weights()))]),
         25,
@@ -123,6 +132,23 @@ REFUSED: dict[str, tuple[str, str]] = {
         "line 62: the times begin again at 0.0000: a second take follows; move its rows",
     ),
     "two takes with their headers": (lines_of(table() * 2), "line 63: the times begin again"),
+    "two takes with timecodes": (
+        lines_of([*table(code, "Timecode"), *table(code, "Timecode")[1:]]),
+        "line 62: the times begin again at 10:00:00:00: a second take follows",
+    ),
+    "an earlier take after its header": (
+        lines_of(table(code, "Timecode") + table(lambda n: f"09{code(n)[2:]}", "Timecode")),
+        "line 63: the header is repeated, and the times do not go on from 10:00:01:29 to "
+        "09:00:00:00: a second take follows; move its rows to a file of their own",
+    ),
+    "a later take after its header": (
+        lines_of(table() + table(lambda n: f"{n / 30 + 60:.4f}")),
+        "line 63: the header is repeated, and the times do not go on from 1.9667 to 60.0000",
+    ),
+    "two takes with frame numbers": (
+        lines_of([*table(str, "frame"), *table(str, "frame")[1:]]),
+        "line 62: the times begin again at 0: a second take follows",
+    ),
     "times in words": (
         lines_of(table(lambda n: f"PT{n / 30:.3f}S", "time")),
         'times in "time" of a form that is not known, such as "PT0.000S"; give its frame rate',
