@@ -40,7 +40,7 @@ from faceedit_app.formats.rotations import all_rotations, found_rotations
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
-from faceedit_app.formats.timing import NoTimes
+from faceedit_app.formats.timing import NoTimes, of_pictures
 from faceedit_app.formats.weights import PERCENT
 
 _FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
@@ -183,6 +183,9 @@ def csv_take(
     used = {times.column, places.said, *columns.indices}
     carried = {k: name for k, name in enumerate(table.names) if k not in used}
     frames = np.flatnonzero(~rows.lost)
+    timing = times.timing
+    if places.confidence is not None and times.kind in ("timecode", "seconds"):  # tracked in a film
+        timing = of_pictures(timing, frames)
     stated = rate_in_table(table, partial(places.cells, rows))
     scale, scale_notes = _scale(table, columns, rows)
     recording = Recording(
@@ -190,7 +193,7 @@ def csv_take(
         format=name or _NAMES[times.kind],
         channels=columns.channels,
         values=rows.numbers[:, ~empty],
-        timing=settled(times.timing, stated, frames, times.kind == "timecode"),
+        timing=settled(timing, stated, frames, times.kind == "timecode"),
         lost=rows.lost,
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried.values()),

@@ -17,7 +17,7 @@ from faceedit_app.formats.changing_rates import (
     usual_rate,
 )
 from faceedit_app.formats.rates import nominal_rate
-from faceedit_app.formats.uneven import evened, is_uneven
+from faceedit_app.formats.uneven import evened, is_uneven, mean_rate
 
 DEFAULT_RATE = 60.0
 SLOWEST, FASTEST = 1.2, 1000.0  # frames per second; other rates are impossible
@@ -183,6 +183,22 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
 def _uneven(times: Times, rate: float, notes: tuple[str, ...]) -> Timing:
     note = f"times come unevenly: rows are evenly spaced at {format_rate(rate)}"
     return Timing(times, rate, (*notes, note))
+
+
+def of_pictures(timing: Timing | NoTimes, rows: Indices) -> Timing | NoTimes:
+    """The timing of a film's pictures, which may have been taken unevenly.
+
+    Args:
+        rows: (T,) the rows of the frames in the file, which has one for each picture.
+    """
+    if isinstance(timing, NoTimes) or stretches(timing.times):
+        return timing
+    rate = mean_rate(timing.times, rows)
+    if rate is None:
+        return timing
+    notes = tuple(note for note in timing.notes if format_rate(timing.rate) not in note)
+    note = f"the film's pictures come unevenly: {format_rate(rate)} on average"
+    return Timing(timing.times, rate, (*notes, note))
 
 
 def single_row() -> Timing:

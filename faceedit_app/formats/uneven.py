@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from faceedit_app.core.arrays import Times
+from faceedit_app.core.arrays import Indices, Times
 from faceedit_app.formats.rates import RATES, nominal_rate
 
 _FEWEST = 16  # steps that show it
@@ -15,6 +15,8 @@ _BREAK = 0.25  # seconds that are a break in the recording, not a frame that cam
 _BREAK_FRAMES = 8
 _MOST_LOST = 0.85  # share of a rate's frames that must have come
 _AROUND = 5  # frames before and after one that show how late it is
+_LATE = 1.5  # steps after which a picture looks as if one were missing before it
+_OFTEN = 0.1  # share of the pictures
 _LATEST = 0.25  # seconds that a frame may come too late or too early
 
 
@@ -22,6 +24,26 @@ def is_uneven(steps: Times, period: float) -> bool:
     """Whether steps (N,) in seconds are no multiples of a period, not even roughly."""
     off = np.abs(steps / period - np.round(steps / period))
     return len(steps) >= _FEWEST and float(np.median(off)) > _OFF
+
+
+def mean_rate(times: Times, rows: Indices) -> float | None:
+    """The mean rate of pictures that a camera took now sooner, now later; None if it did not.
+
+    Of a film in which a picture often comes half a step late or later, but no whole one, none is
+    missing: the mean is its rate.
+
+    Args:
+        times: (T,) seconds, increasing.
+        rows: (T,) of all pictures, also those without a face, the numbers of these.
+    """
+    steps = np.diff(times)[np.diff(rows) == 1]
+    if len(steps) < _FEWEST:
+        return None
+    ratio = steps / np.median(steps)
+    late = (ratio >= _LATE) & (np.abs(ratio - np.round(ratio)) > _OFF)
+    if float(late.mean()) < _OFTEN:
+        return None
+    return float((rows[-1] - rows[0]) / (times[-1] - times[0]))
 
 
 def evened(steps: Times) -> tuple[Times, float] | None:
