@@ -41,7 +41,7 @@ def still_part(tracked: Tracked) -> slice:
 
 def test_lips_of_a_head_that_turns_stay_shut(turned: Tracked) -> None:
     rest = opening(STILL)[0]
-    assert opening(turned.weights)[still_part(turned)].max() < rest + 0.9
+    assert opening(turned.weights)[still_part(turned)].max() < rest + 1.0
 
 
 def test_eyes_do_not_turn_with_the_head(turned: Tracked) -> None:

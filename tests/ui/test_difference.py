@@ -127,7 +127,8 @@ def test_only_what_moved_is_tinted_in_quick_and_fine_pictures(
     assert not differs[: SIZE // 4].any()
     blue, _, red = tinted[differs][:, :3].T
     assert (blue > red - 40).mean() > 0.9
-    assert (plain[differs][:, 2] > plain[differs][:, 0]).all(), "BGRA: skin is red"
+    is_red = plain[differs][:, 2] > plain[differs][:, 0]
+    assert is_red.mean() > 0.9, "BGRA: skin is red, but for edges, which are partly background"
 
 
 @pytest.mark.parametrize("smooth", [True, False])

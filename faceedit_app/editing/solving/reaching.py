@@ -107,7 +107,7 @@ class Reaching:
             goal = replace(goal, tolerance=goal.tolerance + softer)
             rest = np.flatnonzero(softer.max(axis=1) > _SOFT_MM)
             self._go_farther(found, replace(wider, goal=goal), bounds, naturalness, rest)
-            self._without_jumps(found, aim.here, rest)
+            self._without_jumps(found, aim.here, rest, np.where(goal.asked, aims, np.nan))
         self._keep_lips(found, asked, old, where)
         weights[where] = found
 
@@ -159,14 +159,16 @@ class Reaching:
         softer[:, part.expectation.held] = 0.0
         return smoothed(softer, _SOFT * self._quick)[where] if softer.any() else softer[where]
 
-    def _without_jumps(self, found: Doubles, here: Doubles, rows: Indices) -> None:
+    def _without_jumps(self, found: Doubles, here: Doubles, rows: Indices, aims: Doubles) -> None:
         """Take single frames that differ from those around out of some frames, in place.
 
         Several faces may answer a contradiction nearly as well, and frames choose for themselves.
+        A closure may last one frame, and stays.
 
         Args:
             found, here: (N, 52) the answer so far, and what it started from.
             rows: the frames.
+            aims: (N, C) mm where its own controls should be; NaN where nobody asked.
         """
         columns, near = self._part.have_columns, round(self._quick)
         change = (found - here)[:, columns]
@@ -174,9 +176,19 @@ class Reaching:
         around = np.median(sliding_window_view(padded, 2 * near + 1, axis=0)[rows], axis=-1)
         start = here[np.ix_(rows, columns)]
         inside = np.clip(start + around, np.minimum(start, 0.0), np.maximum(start, 1.0))
+        before = found[rows]
         found[np.ix_(rows, columns)] = inside
         if "mouthClose" in self._part.region.channels:
             couple(found, room_of_close(here), rows)
+        if self._lips is not None:
+            asked = aims[rows, self._lips]
+            was, now = (self._opening(weights) for weights in (before, found[rows]))
+            opens = now - asked > np.abs(was - asked) + _SOFT_MM
+            found[rows[opens]] = before[opens]
+
+    def _opening(self, weights: Doubles) -> Doubles:
+        """(N,) mm, of the mouth."""
+        return self._part.lengths(self._part.vectors(weights))[:, self._lips]
 
     def _keep_lips(self, found: Doubles, asked: RegionRequest, old: Doubles, where: Rows) -> None:
         """Take part of the answer back where lips would go too far, in place.
