@@ -24,6 +24,7 @@ from faceedit_app.media.container import Abandoned
 from faceedit_app.media.film import Film
 from faceedit_app.media.film_writer import FilmFormat, film_format
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands.dialogs import Changed
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
 from faceedit_app.ui.page.export_dialog import ExportDialog
 from faceedit_app.ui.page.film_dialog import FilmDialog
@@ -143,7 +144,7 @@ def test_the_recording_is_kept_when_it_is_replaced(bench: Bench) -> None:
     window = bench.editing()
     form = choose(Path("x.csv"), "csv")
     bench.answers |= {"export_as": (form, Options(rate=30.0)), "export": bench.take}
-    bench.answers["overwrite"] = True
+    bench.answers["overwrite"] = Changed.REPLACE
     trigger(window, "export_as")
     bench.qtbot.waitUntil(lambda: bool(bench.exported))
     assert bench.take.with_name("take.csv.bak").read_bytes() == before

@@ -79,7 +79,7 @@ def exported_over_then_edited(bench: Bench) -> MainWindow:
     """A window whose edits were exported over their take, and then one more edit."""
     window = bench.editing()
     add_edit(window)
-    bench.answers |= {"export": bench.take, "overwrite": True}
+    bench.answers |= {"export": bench.take, "overwrite": Changed.REPLACE}
     trigger(window, "export")
     add_edit(window, -2.0)
     return window

@@ -25,7 +25,7 @@ from faceedit_app.editing.edits.edit import Op
 from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
-from faceedit_app.ui.commands.dialogs import Unsaved
+from faceedit_app.ui.commands.dialogs import Changed, Unsaved
 from faceedit_app.ui.commands.unsaved import question_about
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words.transcript import Transcript, Word
@@ -267,11 +267,11 @@ def test_the_recording_is_overwritten_only_after_a_second_step(bench: Bench) -> 
     answers = [bench.take, bench.folder / "other.csv"]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(dialogs, "ask_export", lambda *_: answers.pop(0))
-        bench.answers["overwrite"] = False
+        bench.answers["overwrite"] = Changed.ELSEWHERE
         window.actions_["export"].trigger()
     assert bench.take.read_bytes() == recording
     assert (bench.folder / "other.csv").read_bytes() != recording
-    bench.answers |= {"export": bench.take, "overwrite": True}
+    bench.answers |= {"export": bench.take, "overwrite": Changed.REPLACE}
     window.actions_["export"].trigger()
     assert bench.take.read_bytes() == (bench.folder / "other.csv").read_bytes()
     assert (bench.folder / "take.csv.bak").read_bytes() == recording
