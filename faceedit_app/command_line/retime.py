@@ -112,7 +112,7 @@ def retime(
         new = written.words(said.shifted(offset))
         assert new is not None
         write_words(grid, new, written.clip.duration)
-    _report(take, output, written, as_json)
+    _report(take, output, written, None if said is None else grid, as_json)
 
 
 def _timed_words(words: Path, grid: Path, overwrite: bool) -> Transcript:
@@ -127,8 +127,8 @@ def _timed_words(words: Path, grid: Path, overwrite: bool) -> Transcript:
     return said
 
 
-def _report(take: Path, output: Path, written: Written, as_json: bool) -> None:
-    """Say what was written."""
+def _report(take: Path, output: Path, written: Written, words: Path | None, as_json: bool) -> None:
+    """Say what was written, with the words beside the take if there are any."""
     from faceedit_app.formats.timing import counted
 
     clip = written.clip
@@ -136,10 +136,11 @@ def _report(take: Path, output: Path, written: Written, as_json: bool) -> None:
         facts = json_output.written_facts(
             output, take, written.form, clip, written.remarks, written.backup
         )
-        beside = {"sound": written.sound, "film": written.film}
+        beside = {"sound": written.sound, "film": written.film, "words": words}
         json_output.say_json(facts | {k: None if p is None else str(p) for k, p in beside.items()})
         return
-    say(f"{output}: {counted(len(clip), 'frame')}, {clip.duration:.2f} s; wrote {written.names}")
+    names = written.names if words is None else f"{written.names}, {words.name}"
+    say(f"{output}: {counted(len(clip), 'frame')}, {clip.duration:.2f} s; wrote {names}")
     for line in written.remarks:
         say(f"  {line}")
 

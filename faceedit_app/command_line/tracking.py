@@ -60,10 +60,11 @@ def track(
     from faceedit_app.formats.opening import checked_rate
 
     place = None if face is None else _place(face)
-    _check_report(report, edits, fps)
     if fps is not None:
         fps = checked_rate(film, fps)
     jobs = _jobs(film, output)
+    keep_inputs(_written(jobs[0][1], None), [edits])
+    _check_report(report, edits, fps)
     for path in _written(jobs[0][1], None):  # a long film is not tracked in vain
         check_writable(path)
     rig, code, facts = shipped_rig(), 0, []
