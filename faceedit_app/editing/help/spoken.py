@@ -23,7 +23,8 @@ from faceedit_app.words.transcript import Phoneme, Transcript, Word
 NEAR = 0.08  # seconds between a phoneme and its dip
 _FAR = 2.0  # mm that a dip at that distance must be lower than one inside the phoneme
 # Seconds on either side of the dip. The networks' grid of 25 fps widens them: with these, nothing
-# moves by more than 0.3 mm farther away than `NEAR`.
+# moves by more than 0.3 mm farther away than `NEAR`. Wider ones would disturb closures that follow
+# each other, although real lips stay shut for longer.
 _HOLD, _FALLOFF = 0.005, 0.04
 _MISSING = 0.5  # mm that must be missing before a shape is changed
 _LIPS = int(np.flatnonzero(ARE_LIPS)[0])
