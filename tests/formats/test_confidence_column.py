@@ -136,3 +136,24 @@ def test_what_is_filled_is_not_called_certain(tmp_path: Path) -> None:
     assert len(plain) == COUNT
     assert plain.confidence == pytest.approx(again.confidence, abs=1e-6)
     assert again.confidence[19] == pytest.approx(SURE[19], abs=6e-4)
+
+
+def test_a_film_whose_pictures_come_unevenly_has_gaps_only_where_the_face_was_lost(
+    tmp_path: Path,
+) -> None:
+    times = np.concatenate([[0.0], np.cumsum([0.060, 0.033, 0.033] * 20)])
+    kept = np.delete(np.arange(61), 30)
+    clip = Clip(
+        np.full((60, 52), 0.25, np.float32),
+        ARKIT_CHANNELS,
+        times[kept],
+        25.0,
+        confidence=np.ones(60, np.float32),
+    )
+    path = tmp_path / "take.csv"
+    path.write_bytes(livelink.write_with(clip, np.zeros((60, 9), np.float32), times[[30]]))
+    take = open_take(path)
+    np.testing.assert_allclose(take.clip.times, times[kept], atol=1e-4)
+    assert take.clip.rate == pytest.approx(60 / times[-1])
+    assert [gap.frame for gap in take.clip.gaps] == [29]
+    assert "the film's pictures come unevenly: 23.81 fps on average" in take.notes
