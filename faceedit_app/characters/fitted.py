@@ -49,6 +49,9 @@ _SURFACES = {
 _CLAY = (0.52, 0.44, 0.4, 1.0)  # the colour if the file has none
 _SKIN_SHARE = 0.5  # share of skin vertices that makes a part skin
 _NODS = 15.0  # degrees; how shapes move upright heads differs by 9, and more on cartoons
+_MAKE = "make some: File > Character > Make from a scan"
+_MAKE_COMMAND = "make some with faceedit character make"
+_ADD_OTHERS = "add others, named as in ARKit"
 _FEWEST = 3  # matched channels that are needed to edit a face
 
 
@@ -195,8 +198,8 @@ def _need_shapes(character: Character) -> None:
         raise FileError(
             character.path,
             "has no blendshapes",
-            f"{export}, or make some: File > Character > Make from a scan",
-            command_remedy=f"{export}, or make some with faceedit character make",
+            f"{export}, or {_MAKE}",
+            command_remedy=f"{export}, or {_MAKE_COMMAND}",
         )
 
 
@@ -219,8 +222,13 @@ def _need_match(character: Character, match: Match) -> None:
     if others:
         says += f" (unknown: {', '.join(others[:3])}{' …' if len(others) > 3 else ''})"
     file = map_path(character.path).name
-    remedy = f"rename them as in ARKit, or map them in {file}"
-    raise FileError(character.path, says, remedy if others else "add others, named as in ARKit")
+    remedy = f"rename them as in ARKit, or map them in {file}" if others else _ADD_OTHERS
+    command_remedy = ""
+    if not known:  # a scan beside other heads, for example
+        remedy, command_remedy = (
+            f"{remedy}; if it has no blendshapes, {make}" for make in (_MAKE, _MAKE_COMMAND)
+        )
+    raise FileError(character.path, says, remedy, command_remedy=command_remedy)
 
 
 def _absent_shapes(character: Character, mapping: CharacterMap) -> list[str]:

@@ -59,6 +59,16 @@ def test_no_blendshapes(tmp_path: Path) -> None:
     assert "Make from a scan" in says
 
 
+def test_a_scan_beside_other_heads_can_be_made_a_character(tmp_path: Path) -> None:
+    scan = write_objs(tmp_path / "scans", lambda n: None) / "neutral.obj"
+    for name in ("ann.obj", "bob.obj"):
+        scan.with_name(name).write_bytes(scan.read_bytes())
+    with pytest.raises(FileError, match="none of its 2 shapes has a name") as caught:
+        open_character(scan)
+    assert "if it has no blendshapes, make some: File > Character" in str(caught.value)
+    assert "make some with faceedit character make" in caught.value.for_command
+
+
 def test_one_eye_only(tmp_path: Path) -> None:
     path = write_glb(tmp_path / "a.glb", lambda n: None if n == "eyeBlinkRight" else n)
     assert "closes the right eye (eyeBlinkRight)" in complaint(path)
