@@ -68,9 +68,11 @@ def test_batch_lists_all_takes(
     takes, out = tmp_path / "takes", tmp_path / "out"
     takes.mkdir()
     make_livelink_csv(takes / "a.csv")
-    (takes / "b.csv").write_text("damaged")
+    (takes / "b.csv").write_text("jawOpen\n0.1\nmany\n")
+    (takes / "c.csv").write_text("no take")
     facts = printed("batch", "none", takes, "-o", out, "--models", models, code=1)
     assert (facts["written"], facts["failed"]) == (1, 1)
+    assert [one["name"] for one in facts["skipped"]] == ["c.csv"]
     assert all(Path(report).is_file() for report in facts["reports"])
     good, bad = sorted(facts["takes"], key=lambda one: str(one["name"]))
     assert (good["path"], good["error"]) == (str(out / "a.csv"), None)
