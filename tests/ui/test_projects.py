@@ -101,7 +101,7 @@ def test_a_moved_take_is_found_and_reported(bench: Bench) -> None:
 
 def test_a_changed_take_is_asked_about(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     path = saved_project(bench)
-    bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:00", b"12:00:01"))
+    bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:", b"13:00:"))
     asked: list[str] = []
 
     def answer(_parent: object, message: str, choices: list[Path], _folder: Path) -> Path | None:
@@ -228,7 +228,7 @@ def test_recovery_of_a_take_that_has_changed_since_says_so(
     content = crashed.path.read_bytes()
     crashed.close()
     crashed.path.write_bytes(content)
-    bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:00", b"12:00:01"))
+    bench.take.write_bytes(bench.take.read_bytes().replace(b"12:00:", b"13:00:"))
     monkeypatch.setattr(journal, "journal_folder", lambda: folder)
     monkeypatch.setattr(dialogs, "ask_recover", lambda *_: Recover.RECOVER)
     asked: list[str] = []
