@@ -40,7 +40,8 @@ class Message(QLabel):
         self._make_room()
 
     def _make_room(self) -> None:
-        self.setMinimumHeight(self.heightForWidth(self.width()))
+        # An empty label has no height for a width: -1.
+        self.setMinimumHeight(max(self.heightForWidth(self.width()), 0))
 
 
 def plain_tip(text: str) -> str:
