@@ -31,6 +31,7 @@ __all__ = ["bench", "devices"]
 _garbage = Garbage()
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """One more than there are processors: a fifth of the time, tests wait for the window."""
     return (os.cpu_count() or 1) + 1
