@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.batch.tasks import LOG, Outcome, Task, sha256_of
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 
 
 class Log:
@@ -23,7 +23,7 @@ class Log:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self.path.open("a+", encoding="utf-8", errors="replace")
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = reason_of(error)
             raise FileError(folder, f"cannot be written ({reason})", "choose another") from error
 
     def outcomes(self) -> dict[str, Outcome]:

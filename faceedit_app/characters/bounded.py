@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 
 LARGEST_FILE = 1 << 30  # bytes
 _FARTHEST = 1e9  # units of a file; no head is larger
@@ -41,7 +41,7 @@ def read_file(path: Path, largest: int = LARGEST_FILE) -> bytes:
             raise FileError(path, f"has {size} MB, more than {most}", "export a smaller one")
         return path.read_bytes()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     except ValueError as error:  # a path with a zero character
         raise FileError(path, "is not a path", "check the path") from error

@@ -20,7 +20,7 @@ from faceedit_app.characters.glb_turning import HeadTurns, turning_node
 from faceedit_app.characters.glb_writing import rig_content
 from faceedit_app.characters.scene import Scene
 from faceedit_app.core.arrays import Floats, Times
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.glb import MAGIC, join_glb, split_glb
 
 _FLOAT, _SHORT, _UINT = 5126, 5123, 5125
@@ -71,7 +71,7 @@ def animate_glb(
     try:
         content = path.read_bytes()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     try:
         return _animated(content, weights, times, name, compact, alike, turns, eyes)

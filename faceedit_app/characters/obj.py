@@ -19,7 +19,7 @@ from faceedit_app.characters.character import Character, Part, Surface, unique_n
 from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.obj_materials import read_materials
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 
 NEUTRAL_WORDS = ("neutral", "basis", "base", "rest", "default", "mean", "generic_neutral")
 _MOST_FILES = 1_000
@@ -62,7 +62,7 @@ def read_obj(path: Path) -> Character:
         shown = (p for p in folder.iterdir() if not p.name.startswith("."))
         files = sorted(p for p in shown if p.suffix.lower() == ".obj")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     if path.is_dir():
         neutral = _neutral(path, files)

@@ -14,7 +14,7 @@ from faceedit_app.characters.fbx_tree import MAGIC
 from faceedit_app.characters.gltf import read_gltf
 from faceedit_app.characters.obj import read_obj, read_one_obj
 from faceedit_app.characters.vrm import read_vrm
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 
 _HEAD = 1 << 16  # bytes that show the kind of a file
 _LONGEST_JSON = 1 << 26
@@ -149,7 +149,7 @@ def _head(path: Path) -> bytes:
             # The whole JSON: only there is a VRM marked as one.
             return head + file.read(min(int.from_bytes(head[12:16], "little"), _LONGEST_JSON))
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     except ValueError as error:  # a path with a zero character
         raise FileError(Path("?"), "is not a path", "check the path") from error

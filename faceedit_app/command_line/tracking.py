@@ -14,7 +14,7 @@ import typer
 
 from faceedit_app.command_line.options import JsonOption, check_csv
 from faceedit_app.core.atomic import check_folder, check_writable, keep_inputs
-from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
+from faceedit_app.core.errors import FaceEditError, FileError, Unavailable, reason_of
 
 _REPORT = "side_by_side"  # the name of its files
 
@@ -187,7 +187,7 @@ def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = reason_of(error)
             raise FileError(output, f"cannot be a folder ({reason})", "choose another") from error
     return [(path, folder / f"{name}_tracked.csv") for path, name in _names(films).items()]
 

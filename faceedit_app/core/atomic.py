@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.filelock import lock, try_lock
 
 _SUFFIX = ".faceedit-new"
@@ -97,7 +97,7 @@ def check_folder(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(folder, f"cannot be written into ({reason})", "choose another") from error
 
 
@@ -106,7 +106,7 @@ def not_written(path: Path | str, error: OSError) -> FileError:
     if isinstance(error, FileNotFoundError) and not Path(path).parent.exists():
         problem = "cannot be written (its folder does not exist)"
         return FileError(path, problem, "make the folder, or choose another one")
-    reason = (error.strerror or str(error)).lower()
+    reason = reason_of(error)
     return FileError(
         path, f"cannot be written ({reason})", "choose another folder or free some space"
     )
@@ -155,7 +155,7 @@ def keep_backup(path: Path | str) -> Path:
             if filecmp.cmp(path, backup, shallow=False):
                 return backup
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
+            reason = reason_of(error)
             raise FileError(
                 backup, f"cannot be written ({reason})", "choose another name for the new file"
             ) from error

@@ -71,5 +71,10 @@ class FileError(FaceEditError):
         return again
 
 
+def reason_of(error: OSError) -> str:
+    """What the system says about an error, as part of a sentence."""
+    return (error.strerror or str(error)).lower()
+
+
 class Unavailable(FaceEditError):
     """Something the computer lacks, such as OpenGL; the text names the remedy."""

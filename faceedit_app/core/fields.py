@@ -14,7 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, TypeVar
 
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 
 Word = TypeVar("Word", bound=StrEnum)
 
@@ -280,7 +280,7 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
         document = parse(_content(path))
         fields = Fields(document)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
     except json.JSONDecodeError as error:
         problem = f"is not JSON ({_json_problem(error)} at column {error.colno})"

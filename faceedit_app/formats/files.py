@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 
 _LARGEST_FILE = 1 << 30  # an hour at 60 fps is 160 MB
 _LONGEST_SHOWN = 40
@@ -31,7 +31,7 @@ def read_bytes(path: Path) -> bytes:
             raise FileError(path, "is larger than 1 GB", "split the take into shorter ones")
         return path.read_bytes()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(
             path, f"cannot be read ({reason})", "check the file's permissions and its name"
         ) from error

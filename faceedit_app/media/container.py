@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-_AS_MP4 = "convert it to MP4 (H.264) and use that"
+AS_MP4 = "convert it to MP4 (H.264) and use that"
 _COVER = 0x400  # FFmpeg's AV_DISPOSITION_ATTACHED_PIC
 
 
@@ -128,7 +128,7 @@ def film_stream(container: InputContainer) -> VideoStream:
     if stream is None:
         raise FileError(path, "has no pictures", "choose another file")
     if stream.codec_context is None:
-        raise FileError(path, "has pictures in a format that FFmpeg does not know", _AS_MP4)
+        raise FileError(path, "has pictures in a format that FFmpeg does not know", AS_MP4)
     return stream
 
 

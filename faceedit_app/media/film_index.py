@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.media.container import check, film_stream, films, opened
+from faceedit_app.media.container import AS_MP4, check, film_stream, films, opened
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -24,7 +24,6 @@ Ticks = NDArray[np.int64]
 # are decoded from the beginning whenever the playhead moves back.
 _EXACT = {"mov", "mp4", "matroska", "webm", "avi"}
 _MATROSKA = {"matroska", "webm"}
-_REMEDY = "convert it to MP4 (H.264) and use that"
 _MISSING = 0.2  # seconds; a film whose end is that much before what its file says breaks off
 
 
@@ -137,7 +136,7 @@ def _by_decoding(path: Path, stopped: Callable[[], bool] | None) -> tuple[FilmIn
             if frame.key_frame:
                 keys.append((frame.pts, frame.pts if frame.dts is None else frame.dts))
         if not shown and untimed:
-            raise FileError(path, "does not say when its pictures are shown", _REMEDY)
+            raise FileError(path, "does not say when its pictures are shown", AS_MP4)
         if not shown:
             raise FileError(path, "has no pictures", "choose another file")
         return _made(stream, shown, keys), untimed

@@ -13,7 +13,7 @@ import onnxruntime as ort
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import FieldError
 from faceedit_app.networks.description import KEY, Description, UnusableModel
 from faceedit_app.networks.graph import INPUT, LARGEST, read_graph
@@ -127,7 +127,7 @@ def read_bytes(path: Path) -> bytes:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise UnusableModel(path, f"cannot be read ({reason})") from error
     if len(content) > LARGEST:
         raise UnusableModel(path, "is too large for a FaceEdit model")

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import FieldError, Fields, clean_text, parse, read_document, to_text
 from faceedit_app.words import subtitles, textgrids
 from faceedit_app.words.aligning import Line
@@ -89,7 +89,7 @@ def _content(path: Path) -> bytes:
             raise FileError(path, "is larger than 16 MB", "choose a file with the words")
         return path.read_bytes()
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check its permissions") from error
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from faceedit_app.core.atomic import BACKUP_SUFFIX
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import Fields
 from faceedit_app.formats.take import Take
 
@@ -48,7 +48,7 @@ def fingerprint(path: Path) -> Fingerprint:
             digest = hashlib.file_digest(file, "sha256")
             return Fingerprint(file.tell(), digest.hexdigest())
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
 
 

@@ -20,7 +20,7 @@ from typing import Any
 
 import platformdirs
 
-from faceedit_app.core.errors import FileError
+from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.filelock import lock
 from faceedit_app.editing.edits.edit import Edit, to_json
 from faceedit_app.editing.edits.media import to_json as placement_to_json
@@ -243,7 +243,7 @@ class Journal:
                         self._fail(error)
 
     def _fail(self, error: OSError) -> None:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         self.note = f"Edits are not being backed up ({reason}: {self.path.parent}); save often"
 
 

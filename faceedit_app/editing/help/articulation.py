@@ -73,13 +73,13 @@ def articulate(
 
 def _touching(words: Transcript, times: Times, session: EditSession) -> Doubles:
     """(T,) 1 where lips touch each other or the teeth for a phoneme, fading to 0."""
-    curves = {
+    curves: dict[Lips | None, Doubles] = {
         Lips.CLOSE: LipGap.of(session.rig).measure(session.weights),  # as closures are found
         Lips.TEETH: session.achieved[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64),
     }
     touching = np.zeros(len(times))
     for _, phoneme in words.phonemes():
-        curve = curves.get(lips_of(phoneme.symbol) or Lips.PUCKER)
+        curve = curves.get(lips_of(phoneme.symbol))
         frame = dip_at(times, curve, phoneme) if curve is not None else None
         if frame is not None:
             np.maximum(touching, fade(np.abs(times - times[frame]) - _HELD, _KEPT), touching)

@@ -19,7 +19,7 @@ from pathlib import Path
 import platformdirs
 
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.errors import FaceEditError, FileError, reason_of
 from faceedit_app.core.fields import FieldError, Fields, clean_text, read_document, to_text
 from faceedit_app.editing.edits.edit import Edit, Op, edits_from, to_json
 
@@ -205,7 +205,7 @@ def save_preset(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(folder, f"cannot be created ({reason})", "check its permissions") from error
     head = to_text(
         {
@@ -235,7 +235,7 @@ def delete_preset(preset: Preset) -> None:
     try:
         preset.path.unlink(missing_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(preset.path, f"cannot be deleted ({reason})", "check the folder") from error
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.errors import FaceEditError, FileError, reason_of
 from faceedit_app.lab.training.speech import draw_speaker, synthesize
 
 SPEAKERS = 16
@@ -60,7 +60,7 @@ def write_performances(
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(directory, f"cannot be made ({reason})", "choose another folder") from error
     total = 60.0 * minutes
     length = min(max(total / SPEAKERS, SHORTEST), LONGEST)

@@ -10,7 +10,7 @@ from pathlib import Path
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication
 
-from faceedit_app.core.errors import FileError, Unavailable
+from faceedit_app.core.errors import FileError, Unavailable, reason_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.render.snapshot import snapshot, write_png
 from faceedit_app.ui.start.application import application
@@ -41,7 +41,7 @@ def run_headless(output: Path) -> list[Path]:
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
+        reason = reason_of(error)
         raise FileError(output, f"cannot be created ({reason})", "choose another folder") from error
     app = application()
     with tempfile.TemporaryDirectory() as folder:
