@@ -24,7 +24,7 @@ from PySide6.QtCore import QPoint, QSettings
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QWidget
 
-from faceedit_app.characters.character import Character, Part, Surface
+from faceedit_app.characters.character import Character, MeshPart, Surface
 from faceedit_app.characters.fitted import fit
 from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.ui.character.checklist import CharacterChecklist
@@ -73,7 +73,7 @@ def write_glb(head: Path, path: Path) -> None:
         if size == EYEBALL:
             colors[mine, :3] = eye_colors(places[mine])
     shown = faces[~np.isin(sizes[labels[faces[:, 0]]], CLEAR)]
-    part = Part("head", places, shown, targets, colors=colors, surface=Surface("Skin"))
+    part = MeshPart("head", places, shown, targets, colors=colors, surface=Surface("Skin"))
     write_rig(path, fit(Character(path, "GLB", (part,))).rig)
 
 

@@ -39,7 +39,7 @@ from faceedit_app.media.film import Film as OpenFilm
 from faceedit_app.render import Camera, default_camera
 from faceedit_app.render.renderer import open_renderer
 from faceedit_app.render.snapshot import snapshot
-from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
+from faceedit_app.tracking.side_by_side import SideBySide, write_side_by_side
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.menus import help_rows
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
@@ -222,7 +222,7 @@ def track(window: MainWindow, folder: Path) -> None:
     stored, pictures = window.media.overlay.stored, window.media.film
     assert stored is not None
     assert pictures is not None
-    shown = Shown.of_take(
+    shown = SideBySide.of_take(
         OpenFilm(film), stored, session.take.clip, pictures.offset, session.weights
     )
     write_side_by_side(folder / "both.mp4", shown, rig)

@@ -28,7 +28,7 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing import exporting, filming
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
-from faceedit_app.editing.files.originals import Kept
+from faceedit_app.editing.files.originals import KeptRecording
 from faceedit_app.editing.help import by_name
 from faceedit_app.editing.help.calibrating import neutral_at
 from faceedit_app.editing.help.fixes import apply_preset
@@ -348,7 +348,7 @@ class Take:
         options = exporting.Options(fps, self._character, compact, overwrite, follow_head)
         try:
             return exporting.export_session(self.session, path, form, options)
-        except Kept as error:
+        except KeptRecording as error:
             raise error.with_remedy(
                 error.command_remedy.replace("add --overwrite", "give overwrite=True")
             ) from None
@@ -374,13 +374,13 @@ class Take:
         Raises:
             FaceEditError: it cannot be written, or this computer offers no OpenGL.
         """
-        if view not in list(filming.View):
-            raise FaceEditError(f"{view}: must be {', '.join(filming.View)}")
+        if view not in list(filming.FilmView):
+            raise FaceEditError(f"{view}: must be {', '.join(filming.FilmView)}")
         path = file_name(path)
         fps = None if fps is None else checked_rate(path, number("fps", fps))
         keep_inputs([path], self._read)
         take, weights, rotations = filming.shown_by(self.session)
-        shot = filming.Shot(filming.View(view), size, fps, follows_head=follow_head)
+        shot = filming.Shot(filming.FilmView(view), size, fps, follows_head=follow_head)
         rig, media = self.session.shown_rig, filming.media_of(take)
         filmed = filming.film_take(take, weights, rig, media, path, shot, rotations=rotations)
         assert filmed is not None  # nothing stops it

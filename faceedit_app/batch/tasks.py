@@ -17,7 +17,7 @@ from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing import exporting
 from faceedit_app.editing.files.fingerprint import fingerprint
-from faceedit_app.editing.files.originals import Kept
+from faceedit_app.editing.files.originals import KeptRecording
 from faceedit_app.formats.registry import no_takes_below, takes_below
 
 LOG = "faceedit_batch.jsonl"  # in the folder of the results
@@ -213,7 +213,7 @@ def perform(task: Task) -> Outcome:
         )
     except FileError as error:  # --fps is the rate to write here
         remedy = error.remedy.replace("fps=", "--take-fps ")
-        remedy = _OTHER_FOLDER if isinstance(error, Kept) else remedy
+        remedy = _OTHER_FOLDER if isinstance(error, KeptRecording) else remedy
         return replace(outcome, error=str(error.with_remedy(remedy)))
     except FaceEditError as error:
         return replace(outcome, error=str(error))

@@ -10,7 +10,7 @@ import fast_simplification
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.characters.character import Character, Part
+from faceedit_app.characters.character import Character, MeshPart
 from faceedit_app.characters.face_frame import FaceFrame
 from faceedit_app.characters.gaze import LOOKS, Eye, find_eyes, gaze_moves, is_turned_by
 from faceedit_app.characters.matches import Half, Share
@@ -47,7 +47,7 @@ class Assembly:
     deltas: Floats
     part_of: NDArray[np.int32]
     vertex_of: NDArray[np.int32]
-    parts: tuple[Part, ...]
+    parts: tuple[MeshPart, ...]
     runs: tuple[tuple[int, int], ...]
     eyes: tuple[Eye, Eye] | None = None
 
@@ -107,7 +107,7 @@ class Assembler:
     def _joined(
         self,
         frame: FaceFrame,
-        parts: list[Part],
+        parts: list[MeshPart],
         numbers: list[NDArray[np.int32]],
         vertices: list[NDArray[np.int32]],
     ) -> Assembly:
@@ -215,7 +215,7 @@ def _named(channel: str, swapped: bool) -> str:
     return channel.removesuffix("Right") + "Left" if channel.endswith("Right") else channel
 
 
-def _target(part: Part, name: str, alike: Mapping[str, Sequence[str]]) -> Floats | None:
+def _target(part: MeshPart, name: str, alike: Mapping[str, Sequence[str]]) -> Floats | None:
     for spelling in (name, *alike.get(name, ())):
         if spelling in part.targets:
             return part.targets[spelling]
@@ -241,7 +241,7 @@ def _ramp(distance: Doubles) -> Doubles:
     return t * t * (3 - 2 * t)
 
 
-def _decimated(part: Part, share: float) -> tuple[Part, Indices]:
+def _decimated(part: MeshPart, share: float) -> tuple[MeshPart, Indices]:
     """A part reduced to a share of its triangles, and the vertices that are kept.
 
     Quadric edge collapse (Garland and Heckbert 1997), which keeps the rims of lips and lids. Each

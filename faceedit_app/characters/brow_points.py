@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from faceedit_app.characters.face import Face, Points
+from faceedit_app.characters.face import Points, WeldedFace
 
 _ABOVE = (2.5, 45.0)  # mm of the brow above the upper lid
 _BESIDE = 26.0  # mm from the middle of the eye to either side
@@ -19,7 +19,7 @@ _VISIBLE = 0.5  # mm that a shape has to move the brow
 _FAINT = 0.08  # of the largest move: what a shape counts where it moves nothing
 
 
-def find_brow(face: Face, side: str, points: Points) -> Points:
+def find_brow(face: WeldedFace, side: str, points: Points) -> Points:
     """The two control points of a brow; none if no shape moves it.
 
     Args:
@@ -32,7 +32,7 @@ def find_brow(face: Face, side: str, points: Points) -> Points:
     return {f"{side}_eye_corner": _inner_corner(face, side, points), f"{side}_brow": brow}
 
 
-def _brow(face: Face, side: str, upper_lid: int) -> int | None:
+def _brow(face: WeldedFace, side: str, upper_lid: int) -> int | None:
     """The vertex of a brow that its shapes move most; None if no shape moves it.
 
     Args:
@@ -70,7 +70,7 @@ def _brow(face: Face, side: str, upper_lid: int) -> int | None:
     return int(np.where(weight > 0, away, np.inf).argmin())
 
 
-def _inner_corner(face: Face, side: str, points: Points) -> int:
+def _inner_corner(face: WeldedFace, side: str, points: Points) -> int:
     """The inner corner of an eye.
 
     Args:

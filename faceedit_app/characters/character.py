@@ -63,7 +63,7 @@ class EyeJoint:
 
 
 @dataclass(frozen=True)
-class Part:
+class MeshPart:
     """One mesh with one material, at its place in the scene at rest.
 
     Attributes:
@@ -90,7 +90,7 @@ class Part:
     rest: Mapping[str, float] = field(default_factory=dict)
     node: int | None = None
 
-    def only(self, kept: Indices) -> Part:
+    def only(self, kept: Indices) -> MeshPart:
         """The part with only some vertices, in order; its faces must use no others."""
         if len(kept) == len(self.neutral):
             return self
@@ -108,7 +108,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Place:
+class PartVertex:
     """A vertex of a character's file: the part's name and the vertex number."""
 
     part: str
@@ -130,10 +130,10 @@ class Character:
 
     path: Path
     format: str
-    parts: tuple[Part, ...]
+    parts: tuple[MeshPart, ...]
     remarks: tuple[str, ...] = ()
     attribution: str = ""
-    points: Mapping[str, Place] = field(default_factory=dict)
+    points: Mapping[str, PartVertex] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

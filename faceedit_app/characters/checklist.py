@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faceedit_app.characters.closure import CLOSE_ENOUGH, LID_SLACK
-from faceedit_app.characters.face import Face, Points
-from faceedit_app.characters.matches import Match
+from faceedit_app.characters.face import Points, WeldedFace
+from faceedit_app.characters.matches import ShapeMatch
 from faceedit_app.characters.names import is_without_channel
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Indices
@@ -58,8 +58,8 @@ class Checklist:
 
 
 def make_checklist(
-    match: Match,
-    face: Face,
+    match: ShapeMatch,
+    face: WeldedFace,
     points: Points,
     problems: Sequence[str],
     lids: Sequence[str],
@@ -84,7 +84,7 @@ def make_checklist(
     )
 
 
-def dead_channels(face: Face) -> tuple[str, ...]:
+def dead_channels(face: WeldedFace) -> tuple[str, ...]:
     """Channels whose shapes have no visible effect."""
     dead = []
     for channel in face.moves:
@@ -96,7 +96,7 @@ def dead_channels(face: Face) -> tuple[str, ...]:
     return tuple(dead)
 
 
-def doubts(face: Face, points: Points) -> list[str]:
+def doubts(face: WeldedFace, points: Points) -> list[str]:
     """Sentences about points that do not behave like those of a face."""
     found = []
 

@@ -32,7 +32,7 @@ _BLINK[0, [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]] = 1.0
 
 
 @dataclass(frozen=True)
-class Gaps:
+class Openings:
     """How far apart lips and lids are on a character.
 
     Attributes:
@@ -50,7 +50,7 @@ class Gaps:
     levels: Levels = field(default_factory=Levels)
 
     @classmethod
-    def of(cls, rig: Rig) -> Gaps:
+    def of(cls, rig: Rig) -> Openings:
         """Make the gaps of a character."""
         rows = [CONTROL_INDEX[name] for name in CLOSING]
         distances = _without_sliding(rig.arkit_distances.select(rows))

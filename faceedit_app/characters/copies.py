@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faceedit_app.characters.character import Character, Part
+from faceedit_app.characters.character import Character, MeshPart
 
 _LEVEL = re.compile(r"[\W_]?lod[\W_]?(\d+)(?=[\W_]|$)", re.IGNORECASE)
 
@@ -21,8 +21,8 @@ def without_copies(character: Character) -> Character:
     """
     morphing = [part for part in character.parts if part.targets]
     finest = min((_level(part) for part in morphing), default=0)
-    kept: list[Part] = []
-    copies: list[tuple[Part, Part]] = []  # each with the first such mesh
+    kept: list[MeshPart] = []
+    copies: list[tuple[MeshPart, MeshPart]] = []  # each with the first such mesh
     for part in morphing:
         first = next((other for other in kept if _is_copy(part, other)), None)
         if first is not None:
@@ -43,16 +43,16 @@ def without_copies(character: Character) -> Character:
     return replace(character, parts=parts, remarks=(*character.remarks, _remark(left_out)))
 
 
-def _size(part: Part) -> float:
+def _size(part: MeshPart) -> float:
     """The diagonal of the box around a part."""
     return float(np.linalg.norm(np.ptp(part.neutral, axis=0))) if len(part.neutral) else 0.0
 
 
-def _is_same_place(part: Part, other: Part) -> bool:
+def _is_same_place(part: MeshPart, other: MeshPart) -> bool:
     return np.allclose(part.neutral, other.neutral, atol=1e-3 * _size(other))
 
 
-def _is_nearer(part: Part, head: Part, copy: Part) -> bool:
+def _is_nearer(part: MeshPart, head: MeshPart, copy: MeshPart) -> bool:
     """Whether a small part belongs to a head and not to its copy."""
     middle = part.neutral.mean(axis=0)
     to_head, to_copy = (
@@ -62,13 +62,13 @@ def _is_nearer(part: Part, head: Part, copy: Part) -> bool:
     return to_head < to_copy
 
 
-def _level(part: Part) -> int:
+def _level(part: MeshPart) -> int:
     """The level of detail that a name says; 0 is the finest."""
     found = _LEVEL.search(part.name)
     return int(found[1]) if found else 0
 
 
-def _is_copy(part: Part, other: Part) -> bool:
+def _is_copy(part: MeshPart, other: MeshPart) -> bool:
     """Whether a part is the same mesh with the same targets, there or elsewhere."""
     return (
         bool(part.targets)
@@ -79,7 +79,7 @@ def _is_copy(part: Part, other: Part) -> bool:
     )
 
 
-def _form(part: Part) -> np.ndarray:
+def _form(part: MeshPart) -> np.ndarray:
     """(V,) distances from the middle, in units of the largest."""
     away = np.linalg.norm(part.neutral - part.neutral.mean(axis=0), axis=1)
     form: np.ndarray = away / max(float(away.max()), 1e-12)

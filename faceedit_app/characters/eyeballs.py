@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 import trimesh
 
-from faceedit_app.characters.character import Character, Part
+from faceedit_app.characters.character import Character, MeshPart
 from faceedit_app.core.arrays import Doubles, Indices
 
 _NAMED = re.compile(
@@ -50,7 +50,7 @@ def find_eyeballs(character: Character, mouth: Doubles) -> tuple[Doubles, Double
     return None if pair is None else (pair[0].centre, pair[1].centre)
 
 
-def find_pair(parts: Sequence[Part], mouth: Doubles) -> tuple[Ball, Ball] | None:
+def find_pair(parts: Sequence[MeshPart], mouth: Doubles) -> tuple[Ball, Ball] | None:
     """The two eyeballs, in no order; None if not found."""
     named = [part for part in parts if _NAMED.search(f"{part.name} {part.surface.name}")]
     for some in (named, parts):
@@ -61,7 +61,7 @@ def find_pair(parts: Sequence[Part], mouth: Doubles) -> tuple[Ball, Ball] | None
     return None
 
 
-def _balls(part: Part) -> Iterator[Ball]:
+def _balls(part: MeshPart) -> Iterator[Ball]:
     """The round pieces of a part."""
     for rows in pieces(part):
         if len(rows) >= _FEWEST:
@@ -70,7 +70,7 @@ def _balls(part: Part) -> Iterator[Ball]:
                 yield Ball(centre, radius)
 
 
-def pieces(part: Part) -> list[Indices]:
+def pieces(part: MeshPart) -> list[Indices]:
     """The vertices of each connected piece of a part, joined where seams repeat them."""
     _, number = trimesh.grouping.unique_rows(part.neutral)
     edges = number[part.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)]

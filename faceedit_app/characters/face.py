@@ -15,7 +15,7 @@ from faceedit_app.characters.assembly import Assembly
 from faceedit_app.characters.welding import Weld
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 
-Points = dict[str, int]  # by name, a vertex of a `Face`
+Points = dict[str, int]  # by name, a vertex of a `WeldedFace`
 
 _LIPS = (
     *("mouthPucker", "mouthFunnel", "mouthSmileLeft", "mouthSmileRight", "mouthRollUpper"),
@@ -37,7 +37,7 @@ class NotFound(Exception):
 
 
 @dataclass(frozen=True)
-class Face:
+class WeldedFace:
     """A welded head in millimetres.
 
     Attributes:
@@ -51,7 +51,7 @@ class Face:
     faces: Indices
 
     @classmethod
-    def of(cls, assembly: Assembly, weld: Weld) -> Face:
+    def of(cls, assembly: Assembly, weld: Weld) -> WeldedFace:
         """The face of an assembly, with one vertex for each welded one."""
         deltas = 1000.0 * assembly.deltas[:, weld.first].astype(np.float64)
         places = 1000.0 * assembly.neutral[weld.first].astype(np.float64)

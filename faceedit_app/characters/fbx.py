@@ -21,7 +21,7 @@ from faceedit_app.characters.bounded import (
 from faceedit_app.characters.character import (
     Character,
     EyeJoint,
-    Part,
+    MeshPart,
     Surface,
     Texture,
     unique_names,
@@ -76,7 +76,7 @@ class _Scene:
             self._parents[child].append(parent)
         self._textures: dict[int, Texture | None] = {}
 
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[MeshPart]:
         """Every mesh, one part for each of its materials."""
         meshes = [
             (number, record)
@@ -92,7 +92,7 @@ class _Scene:
         names = unique_names([part.name for part in parts])
         return [replace(part, name=name) for part, name in zip(parts, names, strict=True)]
 
-    def _mesh(self, number: int, geometry: Record) -> Iterator[Part]:
+    def _mesh(self, number: int, geometry: Record) -> Iterator[MeshPart]:
         vertices = self._vertices(geometry)
         model = next((p for p in self._parents[number] if self._is(p, "Model")), None)
         place = self._place(model)
@@ -111,7 +111,7 @@ class _Scene:
             name: (moves[points] @ linear.T).astype(np.float32)
             for name, moves in self._targets(number, len(vertices))
         }
-        whole = Part(
+        whole = MeshPart(
             name=_label(self._objects[model]) if model is not None else "mesh",
             neutral=(vertices[points] @ linear.T + place[:3, 3]).astype(np.float32),
             faces=np.ascontiguousarray(faces[:, ::-1]) if flipped else faces,

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.assembly import Assembler, Assembly
-from faceedit_app.characters.character import Character, Part, Place, Surface
+from faceedit_app.characters.character import Character, MeshPart, PartVertex, Surface
 from faceedit_app.characters.checklist import DEAD, Checklist, lid_doubts, make_checklist
-from faceedit_app.characters.face import Face, Points
+from faceedit_app.characters.face import Points, WeldedFace
 from faceedit_app.characters.face_frame import FaceFrame, find_frame
 from faceedit_app.characters.gaze import Eye
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map
-from faceedit_app.characters.matches import Match, Share
+from faceedit_app.characters.matches import ShapeMatch, Share
 from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.one_head import with_one_head
 from faceedit_app.characters.percent import REMARK, in_percent
@@ -75,19 +75,19 @@ class FittedCharacter:
     character: Character
     rig: Rig
     frame: FaceFrame
-    match: Match
+    match: ShapeMatch
     points: Points
-    places: dict[str, Place]
+    places: dict[str, PartVertex]
     checklist: Checklist
     mapping: CharacterMap
     part_of: NDArray[np.int32]
     vertex_of: NDArray[np.int32]
     eyes: tuple[Eye, Eye] | None = None
 
-    def place(self, vertex: int) -> Place:
+    def place(self, vertex: int) -> PartVertex:
         """A vertex of the rig, as a vertex of the file."""
         part = self.character.parts[int(self.part_of[vertex])]
-        return Place(part.name, int(self.vertex_of[vertex]))
+        return PartVertex(part.name, int(self.vertex_of[vertex]))
 
     @property
     def shares(self) -> dict[str, tuple[Share, ...]]:
@@ -154,7 +154,7 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         remarks.append(REMARK)
     assembly = assembler.assemble(frame)
     welded = weld(assembly)
-    face = Face.of(assembly, welded)
+    face = WeldedFace.of(assembly, welded)
     found, problems = find_points(face)
     problems = [*_absent_shapes(character, mapping), *problems]
     known = {name: p for name, p in character.points.items() if name not in mapping.points}
@@ -174,7 +174,9 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     lids = lid_doubts(rig, points)
     checklist = make_checklist(match, face, found, problems, lids, [*remarks, *faults])
     places = {
-        name: Place(character.parts[assembly.part_of[vertex]].name, int(assembly.vertex_of[vertex]))
+        name: PartVertex(
+            character.parts[assembly.part_of[vertex]].name, int(assembly.vertex_of[vertex])
+        )
         for name, vertex in points.items()
     }
     return FittedCharacter(
@@ -203,13 +205,13 @@ def _need_shapes(character: Character) -> None:
         )
 
 
-def _matched(character: Character, mapping: CharacterMap) -> Match:
+def _matched(character: Character, mapping: CharacterMap) -> ShapeMatch:
     match = mapping.applied(match_channels(character.targets, character.meshes))
     _need_match(character, match)
     return match
 
 
-def _need_match(character: Character, match: Match) -> None:
+def _need_match(character: Character, match: ShapeMatch) -> None:
     if len(match.matched) >= _FEWEST:
         return
     known = {share.name for shares in match.shares.values() for share in shares}
@@ -244,7 +246,7 @@ def _absent_shapes(character: Character, mapping: CharacterMap) -> list[str]:
 
 def _placed(
     character: Character,
-    places: Mapping[str, Place],
+    places: Mapping[str, PartVertex],
     assembly: Assembly,
     welded: Weld,
     strict: bool = True,
@@ -271,7 +273,7 @@ def _placed(
 
 
 def _rig(
-    character: Character, assembly: Assembly, welded: Weld, face: Face, points: Points
+    character: Character, assembly: Assembly, welded: Weld, face: WeldedFace, points: Points
 ) -> tuple[Rig, list[str]]:
     """The rig, and sentences about what cannot be drawn as in the file."""
     skin = face.skin[welded.number]
@@ -322,7 +324,7 @@ def _rig(
     return rig, faults
 
 
-def _control_pairs(face: Face, points: Points, welded: Weld) -> NDArray[np.int32]:
+def _control_pairs(face: WeldedFace, points: Points, welded: Weld) -> NDArray[np.int32]:
     """(C, 2) as in `Rig`; without optional controls that no shape of their region moves."""
     pairs = np.full((len(CONTROLS), 2), -1, np.int32)
     movers = {region.id: region.channels for region in OPTIONAL_REGIONS}
@@ -340,7 +342,7 @@ def _control_pairs(face: Face, points: Points, welded: Weld) -> NDArray[np.int32
     return pairs
 
 
-def _surface(part: Part, skin: Bools) -> str:
+def _surface(part: MeshPart, skin: Bools) -> str:
     words = f"{part.name} {part.surface.name}".casefold()
     for word, surface in _SURFACES.items():
         if word in words:
@@ -348,7 +350,7 @@ def _surface(part: Part, skin: Bools) -> str:
     return "skin" if skin.mean() > _SKIN_SHARE else ""
 
 
-def _outwards(assembly: Assembly, welded: Weld, face: Face) -> NDArray[np.int32]:
+def _outwards(assembly: Assembly, welded: Weld, face: WeldedFace) -> NDArray[np.int32]:
     """The triangles, flipped if the face shows its back: some files are mirrored."""
     corners = assembly.neutral[assembly.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from faceedit_app.characters.character import Part
+from faceedit_app.characters.character import MeshPart
 from faceedit_app.characters.eyeballs import find_pair, pieces
 from faceedit_app.characters.face_frame import FaceFrame
 from faceedit_app.core.arrays import Doubles, Floats
@@ -42,7 +42,7 @@ class Eye:
     share: Doubles = field(repr=False)
     joint: int | None = None
 
-    def nodes(self, parts: Sequence[Part], part_of: NDArray[np.int32]) -> set[int]:
+    def nodes(self, parts: Sequence[MeshPart], part_of: NDArray[np.int32]) -> set[int]:
         """The numbers of its joint, or of the nodes of which everything follows it, in a glTF file.
 
         Args:
@@ -61,7 +61,7 @@ class Eye:
 
 
 def find_eyes(
-    parts: Sequence[Part], frame: FaceFrame, mouth: float, deltas: Floats
+    parts: Sequence[MeshPart], frame: FaceFrame, mouth: float, deltas: Floats
 ) -> tuple[Eye, Eye] | None:
     """The left and the right eye of a character, or None if they are not found.
 
@@ -118,7 +118,7 @@ def gaze_turns(weights: Mapping[str, Floats]) -> tuple[Doubles, Doubles]:
     return turns[0], turns[1]
 
 
-def _by_joints(parts: Sequence[Part]) -> list[Eye]:
+def _by_joints(parts: Sequence[MeshPart]) -> list[Eye]:
     """The eyes of the file's joints, of which several parts may follow the same."""
     found: dict[tuple[float, ...], Doubles] = {}
     nodes: dict[tuple[float, ...], int | None] = {}
@@ -133,7 +133,9 @@ def _by_joints(parts: Sequence[Part]) -> list[Eye]:
     return [Eye(np.array(at), share, nodes[at]) for at, share in found.items() if share.any()]
 
 
-def _by_balls(parts: Sequence[Part], frame: FaceFrame, mouth: float, deltas: Floats) -> list[Eye]:
+def _by_balls(
+    parts: Sequence[MeshPart], frame: FaceFrame, mouth: float, deltas: Floats
+) -> list[Eye]:
     """The eyeballs, and the pieces inside them that no shape moves, such as an iris."""
     centre = frame.origin + np.array([0.0, mouth, 0.05]) @ frame.axes / frame.scale
     pair = find_pair(parts, centre)

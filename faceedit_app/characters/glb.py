@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.characters.bounded import Damaged
-from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.gltf_buffers import GltfFile, Json
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Material, Rig
@@ -31,7 +31,7 @@ def read_rig(path: Path | str) -> Rig:
     """
     path = Path(path)
     try:
-        document = Document(path)
+        document = GltfFile(path)
         if not document.all("meshes"):
             raise FileError(path, "holds no mesh", _REMEDY)
         rig = _rig(document, path.stem)
@@ -44,7 +44,7 @@ def read_rig(path: Path | str) -> Rig:
     return rig
 
 
-def _rig(document: Document, fallback_name: str) -> Rig:
+def _rig(document: GltfFile, fallback_name: str) -> Rig:
     mesh = document.entry("meshes", 0)
     extras, primitives = mesh["extras"], mesh["primitives"]
     attributes, targets = primitives[0]["attributes"], primitives[0]["targets"]

@@ -21,13 +21,13 @@ from faceedit_app.characters.bounded import (
 from faceedit_app.characters.character import (
     Character,
     EyeJoint,
-    Part,
-    Place,
+    MeshPart,
+    PartVertex,
     Surface,
     unique_names,
 )
 from faceedit_app.characters.eye_joints import eye_joint, is_eye
-from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.gltf_buffers import GltfFile, Json
 from faceedit_app.characters.gltf_nodes import node_places
 from faceedit_app.characters.gltf_surfaces import colors_of, placed_uv, surface_of
 from faceedit_app.characters.points import PAIRS
@@ -38,7 +38,7 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedPrimitive:
     """A primitive in the scene, not read yet.
 
     Attributes:
@@ -64,14 +64,14 @@ def read_gltf(path: Path) -> Character:
         FileError: it cannot be read, or holds no mesh.
         Damaged: it contradicts itself.
     """
-    document = Document(path)
+    document = GltfFile(path)
     placed = read_parts(document)
     parts = tuple(part for _, part, _ in placed)
     points = _own_points(document, placed)
     return Character(path, "glTF", parts, attribution=_attribution(document), points=points)
 
 
-def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
+def read_parts(document: GltfFile) -> list[tuple[PlacedPrimitive, MeshPart, Indices]]:
     """All meshes of the scene, with their place in the file and the vertices they keep.
 
     Raises:
@@ -93,15 +93,15 @@ def read_parts(document: Document) -> list[tuple[Placed, Part, Indices]]:
 class Nodes:
     """The nodes of a document, with their transforms."""
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: GltfFile) -> None:
         self.document = document
         self.nodes = document.all("nodes")
         self.places = node_places(self.nodes)
         self._surfaces: dict[int, Surface] = {}
 
-    def primitives(self) -> list[Placed]:
+    def primitives(self) -> list[PlacedPrimitive]:
         """The primitives that are drawn, in the order of the nodes."""
-        found: list[Placed] = []
+        found: list[PlacedPrimitive] = []
         for number in self._drawn():
             node = self.nodes[number]
             if node.get("mesh") is None:
@@ -113,7 +113,7 @@ class Nodes:
                     continue
                 names = target_names(self.document, mesh, primitive)
                 place = self.places[number]
-                found.append(Placed(label, number, node["mesh"], place, primitive, names))
+                found.append(PlacedPrimitive(label, number, node["mesh"], place, primitive, names))
         labels = unique_names([placed.name for placed in found])
         return [replace(p, name=name) for p, name in zip(found, labels, strict=True)]
 
@@ -132,7 +132,7 @@ class Nodes:
                 waiting += self.nodes[number].get("children") or []
         return sorted(seen)
 
-    def part(self, placed: Placed) -> tuple[Part, Indices] | None:
+    def part(self, placed: PlacedPrimitive) -> tuple[MeshPart, Indices] | None:
         """Read a primitive and the vertices that it uses; None if it has no triangles."""
         document, primitive = self.document, placed.primitive
         attributes = primitive["attributes"]
@@ -148,7 +148,7 @@ class Nodes:
         linear, offset = self._skinned(placed, arrays, len(neutral))
         if np.linalg.det(np.atleast_3d(linear).reshape(-1, 3, 3)[0]) < 0:  # mirrored
             faces = np.ascontiguousarray(faces[:, ::-1])
-        part = Part(
+        part = MeshPart(
             name=placed.name,
             neutral=(_turned(linear, neutral) + offset).astype(np.float32),
             faces=faces,
@@ -185,7 +185,7 @@ class Nodes:
         return arrays, _triangles(indices[:, 0], primitive.get("mode", _TRIANGLES))
 
     def _skinned(
-        self, placed: Placed, arrays: Mapping[str, NDArray[Any]], count: int
+        self, placed: PlacedPrimitive, arrays: Mapping[str, NDArray[Any]], count: int
     ) -> tuple[Doubles, Doubles]:
         """The transform of the vertices: (3, 3) or (V, 3, 3), and (3,) or (V, 3).
 
@@ -216,7 +216,9 @@ class Nodes:
         place[total[:, 0] <= 0] = placed.place[:3]  # no joint carries them
         return place[:, :, :3], place[:, :, 3]
 
-    def _eyes(self, placed: Placed, arrays: Mapping[str, NDArray[Any]]) -> tuple[EyeJoint, ...]:
+    def _eyes(
+        self, placed: PlacedPrimitive, arrays: Mapping[str, NDArray[Any]]
+    ) -> tuple[EyeJoint, ...]:
         """The joints of eyes among those of a skin."""
         index = self.nodes[placed.node].get("skin")
         if index is None or "JOINTS_0" not in arrays or "WEIGHTS_0" not in arrays:
@@ -234,7 +236,7 @@ class Nodes:
         ]
         return tuple(joint for joint in found if joint is not None)
 
-    def _rest(self, placed: Placed) -> dict[str, float]:
+    def _rest(self, placed: PlacedPrimitive) -> dict[str, float]:
         """The weights that morph targets have in the file; those of the node go first."""
         mesh = self.document.entry("meshes", placed.mesh)
         weights = self.nodes[placed.node].get("weights") or mesh.get("weights") or []
@@ -242,7 +244,7 @@ class Nodes:
         return {n: w for n, w in zip(placed.names, given, strict=False) if w}
 
     def _targets(
-        self, placed: Placed, linear: Doubles, count: int, kept: Indices
+        self, placed: PlacedPrimitive, linear: Doubles, count: int, kept: Indices
     ) -> dict[str, Floats]:
         """The displacements of the kept vertices, of `count` in all."""
         linear = linear if linear.ndim == 2 else linear[kept]
@@ -268,7 +270,7 @@ class Nodes:
         return self._surfaces[index]
 
 
-def target_names(document: Document, mesh: Json, primitive: Json) -> tuple[str, ...]:
+def target_names(document: GltfFile, mesh: Json, primitive: Json) -> tuple[str, ...]:
     """The names of a primitive's morph targets.
 
     They are in the extras of the mesh or the primitive, or are the accessors' own.
@@ -318,7 +320,7 @@ def _is_draco(primitive: Json) -> bool:
 
 
 def _draco(
-    document: Document, primitive: Json
+    document: GltfFile, primitive: Json
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
     """Decode a primitive compressed by Draco."""
     packed = primitive["extensions"]["KHR_draco_mesh_compression"]
@@ -346,10 +348,10 @@ def _draco(
 
 
 def _own_points(
-    document: Document, placed: Sequence[tuple[Placed, Part, Indices]]
-) -> dict[str, Place]:
+    document: GltfFile, placed: Sequence[tuple[PlacedPrimitive, MeshPart, Indices]]
+) -> dict[str, PartVertex]:
     """The control points of a file that FaceEdit wrote, from the extras of its mesh."""
-    found: dict[str, Place] = {}
+    found: dict[str, PartVertex] = {}
     for one, part, kept in placed:
         extras = document.entry("meshes", one.mesh).get("extras")
         controls = extras.get("controls") if isinstance(extras, dict) else None
@@ -362,10 +364,10 @@ def _own_points(
             for name, vertex in zip((first, second), pair, strict=True):
                 rows = np.flatnonzero(kept == (vertex if isinstance(vertex, int) else -1))
                 if len(rows):
-                    found.setdefault(name, Place(part.name, int(rows[0])))
+                    found.setdefault(name, PartVertex(part.name, int(rows[0])))
     return found
 
 
-def _attribution(document: Document) -> str:
+def _attribution(document: GltfFile) -> str:
     asset = document.json.get("asset") or {}
     return str(asset.get("copyright") or "")[:300]

@@ -59,7 +59,7 @@ _HARMLESS = (
 REMEDY = "export it again as glTF 2.0 (.glb)"
 
 
-class Document:
+class GltfFile:
     """An open glTF file.
 
     Args:

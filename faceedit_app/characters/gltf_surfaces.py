@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.bounded import finite
 from faceedit_app.characters.character import Surface, Texture
-from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.gltf_buffers import GltfFile, Json
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
 
@@ -46,7 +46,7 @@ def placed_uv(material: Json, arrays: Mapping[str, NDArray[Any]]) -> Floats | No
     return finite(placed.astype(np.float32), "texture coordinates")
 
 
-def surface_of(document: Document, material: Json) -> Surface:
+def surface_of(document: GltfFile, material: Json) -> Surface:
     """How a material is drawn."""
     metal = material.get("pbrMetallicRoughness") or {}
     old = (material.get("extensions") or {}).get("KHR_materials_pbrSpecularGlossiness") or {}
@@ -65,7 +65,7 @@ def surface_of(document: Document, material: Json) -> Surface:
     )
 
 
-def _texture(document: Document, use: Json) -> Texture | None:
+def _texture(document: GltfFile, use: Json) -> Texture | None:
     """The base colour's picture; without bytes if it is missing.
 
     A character opens even if its pictures are missing.

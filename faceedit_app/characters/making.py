@@ -20,7 +20,13 @@ from trimesh.registration import procrustes
 from faceedit_app.characters.closed_lips import LipSeam
 from faceedit_app.characters.paint import Atlas, Paint, painted
 from faceedit_app.characters.points import MAIN_POINTS, PAIRS
-from faceedit_app.characters.registration import Fitted, Landmarks, carry, distances, register
+from faceedit_app.characters.registration import (
+    FittedTemplate,
+    Landmarks,
+    carry,
+    distances,
+    register,
+)
 from faceedit_app.characters.scans import Scan
 from faceedit_app.characters.skin import skin_of
 from faceedit_app.characters.transfer import Transfer
@@ -150,7 +156,7 @@ def make(template: Template, scan: Scan, landmarks: Landmarks, name: str) -> Mad
     if "jawOpen" in template.rig.channel_index:
         jaw = template.rig.channel_index["jawOpen"]
         closed, parted = template.lip_seam.closed(skin, moves[jaw])
-    here = Fitted(closed, np.eye(4))  # the fit, in the template's coordinates
+    here = FittedTemplate(closed, np.eye(4))  # the fit, in the template's coordinates
     trim(moves, closed, template)
     rig = _rig(template, here, moves, scan, fitted, name)
     if scan.paint is not None:
@@ -205,7 +211,12 @@ def _surface(scan: Scan, positions: Doubles) -> trimesh.Trimesh:
 
 
 def _rig(
-    template: Template, here: Fitted, moves: Doubles, scan: Scan, fitted: Fitted, name: str
+    template: Template,
+    here: FittedTemplate,
+    moves: Doubles,
+    scan: Scan,
+    fitted: FittedTemplate,
+    name: str,
 ) -> Rig:
     """The template's rig with another skin, and with the parts that follow it."""
     rig = template.rig
@@ -256,7 +267,7 @@ def _carried(template: Template, moves: Doubles, others: Doubles) -> Doubles:
     return fading
 
 
-def _with_picture(template: Template, rig: Rig, paint: Paint, fitted: Fitted) -> Rig:
+def _with_picture(template: Template, rig: Rig, paint: Paint, fitted: FittedTemplate) -> Rig:
     """The rig with a picture of the scan on its skin; cuts in the picture repeat vertices."""
     atlas = Atlas.of(template.vertices, template.faces)
     is_skin = [material.name in _SKIN for material in rig.materials]
@@ -301,7 +312,7 @@ def _with_picture(template: Template, rig: Rig, paint: Paint, fitted: Fitted) ->
     )
 
 
-def _colors(template: Template, scan: Scan, fitted: Fitted) -> Floats:
+def _colors(template: Template, scan: Scan, fitted: FittedTemplate) -> Floats:
     """The template's colours, with the scan's on the skin."""
     colors = template.rig.colors.copy()
     if scan.colors is None:

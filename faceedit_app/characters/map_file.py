@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.characters.bounded import read_file
-from faceedit_app.characters.character import Place
-from faceedit_app.characters.matches import Half, Match, Share
+from faceedit_app.characters.character import PartVertex
+from faceedit_app.characters.matches import Half, ShapeMatch, Share
 from faceedit_app.characters.points import POINTS
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.atomic import write_atomically
@@ -36,10 +36,10 @@ class CharacterMap:
     """
 
     channels: Mapping[str, tuple[Share, ...]] = field(default_factory=dict)
-    points: Mapping[str, Place] = field(default_factory=dict)
+    points: Mapping[str, PartVertex] = field(default_factory=dict)
     levels: Mapping[str, Level] = field(default_factory=dict)
 
-    def applied(self, match: Match) -> Match:
+    def applied(self, match: ShapeMatch) -> ShapeMatch:
         """A match with the user's channels applied."""
         shares = {c: s for c, s in {**match.shares, **self.channels}.items() if s}
         used = {share.name for parts in shares.values() for share in parts}
@@ -119,7 +119,7 @@ def _parsed(path: Path, stored: Any) -> CharacterMap:
         vertex = place["vertex"]
         if isinstance(vertex, bool) or not isinstance(vertex, int):
             raise ValueError(vertex)
-        points[name] = Place(str(place["part"]), vertex)
+        points[name] = PartVertex(str(place["part"]), vertex)
     given = stored.get("strength", {}).items()
     levels = {channel: _level(path, channel, numbers) for channel, numbers in given}
     return CharacterMap(channels, points, {c: n for c, n in levels.items() if n != UNCHANGED})

@@ -39,7 +39,7 @@ class Share:
 
 
 @dataclass(frozen=True)
-class Match:
+class ShapeMatch:
     """Which shapes make which channels.
 
     Attributes:

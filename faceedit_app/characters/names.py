@@ -7,7 +7,8 @@ dropped; the side goes to the end; and the rest is looked up.
 
 Some characters have fewer shapes than ARKit, and some have more. `browInnerUp_L` and
 `browInnerUp_R` together make one channel; one `Blink` is split in two. Shapes that fit a channel
-less well (the visemes of a VRM) are used only if there is nothing better, and `Match.lost` says so.
+less well (the visemes of a VRM) are used only if there is nothing better, and `ShapeMatch.lost`
+says so.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from faceedit_app.characters.matches import Half, Match, Share
+from faceedit_app.characters.matches import Half, ShapeMatch, Share
 from faceedit_app.characters.other_names import ACTION_UNITS, OTHER_NAMES, OTHER_STEMS
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.names import canonical_channel
@@ -188,7 +189,7 @@ _BOTH_SIDES = {s.lower(): s for s in _TWO_SIDED} | {
 _WITHOUT_CHANNEL = frozenset(("neutral", "basis", "default", "visemesil", "vrcvsil"))
 
 
-def match_channels(names: Iterable[str], meshes: Mapping[str, str] | None = None) -> Match:
+def match_channels(names: Iterable[str], meshes: Mapping[str, str] | None = None) -> ShapeMatch:
     """Match names to the ARKit channels.
 
     Args:
@@ -240,7 +241,7 @@ def match_channels(names: Iterable[str], meshes: Mapping[str, str] | None = None
     rest = [name for same in once.values() if same[0] in left for name in same]
     alike |= {same[0]: same[1:] for same in once.values() if same[0] not in left and same[1:]}
     order = {name: i for i, name in enumerate(given)}
-    return Match(
+    return ShapeMatch(
         {channel: tuple(shares[channel]) for channel in ARKIT_CHANNELS if channel in shares},
         tuple(sorted(rest, key=order.__getitem__)),
         {name: tuple(others) for name, others in alike.items()},

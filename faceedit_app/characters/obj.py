@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.base_colors import linear
 from faceedit_app.characters.bounded import Damaged, check_targets, finite, read_file
-from faceedit_app.characters.character import Character, Part, Surface, unique_names
+from faceedit_app.characters.character import Character, MeshPart, Surface, unique_names
 from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.obj_materials import read_materials
 from faceedit_app.core.arrays import Floats
@@ -240,7 +240,7 @@ def _index(text: bytes, count: int) -> int:
 
 def _parts(
     path: Path, mesh: _Mesh, targets: dict[str, Floats]
-) -> tuple[list[Part], tuple[str, ...]]:
+) -> tuple[list[MeshPart], tuple[str, ...]]:
     """One part for each material, and sentences about what is missing."""
     corners, uv = mesh.corners.ravel(), None
     if mesh.uv is not None and mesh.uv_corners is not None:
@@ -250,7 +250,7 @@ def _parts(
         uv = mesh.uv[mesh.uv_corners.ravel()[first]]
     else:
         points, vertex_of = np.unique(corners, return_inverse=True)
-    whole = Part(
+    whole = MeshPart(
         name=path.stem,
         neutral=mesh.places[points],
         faces=vertex_of.reshape(-1, 3).astype(np.int32),

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faceedit_app.characters.character import Character, Part
-from faceedit_app.characters.matches import Match
+from faceedit_app.characters.character import Character, MeshPart
+from faceedit_app.characters.matches import ShapeMatch
 from faceedit_app.core.arrays import Doubles
 
 _EYES = ("eyeBlinkLeft", "eyeBlinkRight")
@@ -23,12 +23,12 @@ _APART = 3.0  # times the distance from eyes to mouth, between the eyes of two h
 class _Head:
     """A part with a whole face: its eyes (3,) and how far they are from its mouth."""
 
-    part: Part
+    part: MeshPart
     eyes: Doubles
     size: float
 
 
-def with_one_head(character: Character, match: Match) -> tuple[Character, str]:
+def with_one_head(character: Character, match: ShapeMatch) -> tuple[Character, str]:
     """The character with the head that has the most shapes, and a remark about others; "" if none.
 
     Parts without a whole face, such as eyes, hair and clothes, stay with the head that they are
@@ -42,7 +42,7 @@ def with_one_head(character: Character, match: Match) -> tuple[Character, str]:
     if not others:
         return character, ""
 
-    def is_ours(part: Part) -> bool:
+    def is_ours(part: MeshPart) -> bool:
         middle = part.neutral.mean(axis=0, dtype=np.float64)
         far = [float(np.linalg.norm(middle - head.eyes)) for head in (main, *others)]
         return far[0] <= min(far[1:])
@@ -61,7 +61,7 @@ def with_one_head(character: Character, match: Match) -> tuple[Character, str]:
     )
 
 
-def _head(part: Part, match: Match) -> _Head | None:
+def _head(part: MeshPart, match: ShapeMatch) -> _Head | None:
     """What a part has of a face; None if its shapes do not move both eyes and a mouth."""
     left, right = (_moved(part, match, (channel,)) for channel in _EYES)
     mouth = _moved(part, match, _MOUTH)
@@ -71,7 +71,7 @@ def _head(part: Part, match: Match) -> _Head | None:
     return _Head(part, eyes, float(np.linalg.norm(eyes - mouth)))
 
 
-def _moved(part: Part, match: Match, channels: Sequence[str]) -> Doubles | None:
+def _moved(part: MeshPart, match: ShapeMatch, channels: Sequence[str]) -> Doubles | None:
     """(3,) the middle of what the shapes of channels move; None if they move nothing."""
     amount = np.zeros(len(part.neutral))
     for channel in channels:

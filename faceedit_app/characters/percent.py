@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.character import Character
-from faceedit_app.characters.matches import Match
+from faceedit_app.characters.matches import ShapeMatch
 
 _MOST = 1.0  # mm that whole shapes never stay below
 _PLAUSIBLE = (3.0, 150.0)  # mm that the largest move of any face
@@ -18,10 +18,10 @@ REMARK = "its shapes are full at a weight of 100; they are shown, and exported, 
 
 def in_percent(
     character: Character,
-    match: Match,
+    match: ShapeMatch,
     target: Callable[[int, str], NDArray[np.float32] | None],
     scale: float,
-) -> Match | None:
+) -> ShapeMatch | None:
     """The match with all shapes a hundred times as strong; None if they are strong as they are.
 
     Args:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image
 
-from faceedit_app.characters.character import Part, Texture
+from faceedit_app.characters.character import MeshPart, Texture
 from faceedit_app.core.arrays import Pixels
 
 LARGEST = 2048  # pixels per side; larger pictures are scaled down
@@ -70,7 +70,7 @@ def _ktx2(texture: Texture) -> Pixels:
     return np.ascontiguousarray(pixels, np.uint8)
 
 
-def read_textures(parts: Sequence[Part]) -> tuple[list[Pixels], list[int | None], list[str]]:
+def read_textures(parts: Sequence[MeshPart]) -> tuple[list[Pixels], list[int | None], list[str]]:
     """The pictures, the number of each part's, and sentences about unreadable ones."""
     pictures: list[Pixels] = []
     known: dict[bytes, int | None] = {}

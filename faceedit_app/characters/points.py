@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from faceedit_app.characters.brow_points import find_brow
-from faceedit_app.characters.face import Face, NotFound, Points
+from faceedit_app.characters.face import NotFound, Points, WeldedFace
 from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.controls import CONTROLS
 
@@ -38,7 +38,7 @@ _BLINKS = 1.5  # mm that a blink moves the upper lid at least
 _ACROSS = (1.5, 4.0)  # mm beyond the middle where the rim of the mouth may run
 
 
-def find_points(face: Face) -> tuple[Points, list[str]]:
+def find_points(face: WeldedFace) -> tuple[Points, list[str]]:
     """Find the control points, as vertices of `face`.
 
     Returns:
@@ -65,7 +65,7 @@ def find_points(face: Face) -> tuple[Points, list[str]]:
     return {name: points[name] for name in POINTS if name in points}, problems
 
 
-def _mouth(face: Face) -> Points:
+def _mouth(face: WeldedFace) -> Points:
     """Lips and mouth corners."""
     opener = next((c for c in _OPENERS if face.amount(c)[face.skin].max() > _PARTED), None)
     if opener is None:
@@ -77,7 +77,7 @@ def _mouth(face: Face) -> Points:
     return points
 
 
-def _lips(face: Face, opened: Doubles) -> Points:
+def _lips(face: WeldedFace, opened: Doubles) -> Points:
     """Inner and outer lips on the midline."""
     places = face.places
     middle = np.zeros(0, np.intp)
@@ -123,7 +123,7 @@ def _both_lips(near: Doubles, drop: Doubles) -> Indices:
     return strip
 
 
-def _inner_lips(face: Face, opened: Doubles, strip: Indices) -> tuple[tuple[int, int], float]:
+def _inner_lips(face: WeldedFace, opened: Doubles, strip: Indices) -> tuple[tuple[int, int], float]:
     """The vertices of a strip at the midline that are together until the mouth opens; a score."""
     places = face.places
     drop = opened[strip, 1]
@@ -144,7 +144,7 @@ def _apart(places: Doubles, one: int, other: int) -> float:
     return float(np.linalg.norm(places[one] - places[other]))
 
 
-def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
+def _corner(face: WeldedFace, opened: Doubles, points: Points, sign: float) -> int:
     """The vertex where the way around the mouth is farthest out on one side."""
     places = face.places
     start, end = points["inner_upper_lip"], points["inner_lower_lip"]
@@ -162,7 +162,7 @@ def _corner(face: Face, opened: Doubles, points: Points, sign: float) -> int:
     raise NotFound("the lips are not joined at the mouth corners")
 
 
-def _lids(face: Face, side: str) -> Points:
+def _lids(face: WeldedFace, side: str) -> Points:
     """The middle of the upper lid, and the point of the lower lid where it arrives in a blink."""
     blink, places = face.move(f"eyeBlink{side.capitalize()}"), face.places
     drop = np.where(face.skin, -blink[:, 1], -np.inf)
@@ -193,7 +193,7 @@ def _lids(face: Face, side: str) -> Points:
     return {f"{side}_upper_lid": upper, f"{side}_lower_lid": int(near[gap.argmin()])}
 
 
-def _midline(face: Face) -> Indices:
+def _midline(face: WeldedFace) -> Indices:
     width = 2.5
     found = np.flatnonzero(face.skin & (np.abs(face.places[:, 0] - face.middle) < width))
     while len(found) < 12 and width < 10:
@@ -202,7 +202,7 @@ def _midline(face: Face) -> Indices:
     return found
 
 
-def _bridge(face: Face) -> int:
+def _bridge(face: WeldedFace) -> int:
     """The nose bridge: on the midline at the height of the eyes, in front."""
     middle = _midline(face)
     x, y, z = face.places[middle].T
@@ -214,7 +214,7 @@ def _bridge(face: Face) -> int:
     raise NotFound("the nose bridge cannot be found between the eyes")
 
 
-def _chin(face: Face, lower_lip: int) -> int:
+def _chin(face: WeldedFace, lower_lip: int) -> int:
     """The chin: the most forward point of the midline below the fold under the lip."""
     places, middle = face.places, _midline(face)
     lip = places[lower_lip, 1]
@@ -233,7 +233,7 @@ def _chin(face: Face, lower_lip: int) -> int:
     return int(nearest[places[nearest, 2].argmax()])
 
 
-def _lone_chin(face: Face, lip: float) -> int:
+def _lone_chin(face: WeldedFace, lip: float) -> int:
     """The chin of a mesh too coarse for a profile: the most forward vertex below the lip."""
     x, y, z = face.places.T
     aside = np.abs(x - face.middle)

@@ -88,7 +88,7 @@ class Landmarks:
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedTemplate:
     """A template fitted to another head.
 
     Attributes:
@@ -105,7 +105,7 @@ def register(
     faces: NDArray[np.integer],
     landmarks: Landmarks,
     target: trimesh.Trimesh,
-) -> Fitted:
+) -> FittedTemplate:
     """Fit a template to a head.
 
     Args:
@@ -126,10 +126,10 @@ def register(
         use_faces=True,
         use_vertex_normals=True,
     )
-    return Fitted(np.asarray(fitted, np.float64), np.asarray(similarity, np.float64))
+    return FittedTemplate(np.asarray(fitted, np.float64), np.asarray(similarity, np.float64))
 
 
-def carry(fitted: Fitted, before: Doubles, anchors: Indices, others: Doubles) -> Doubles:
+def carry(fitted: FittedTemplate, before: Doubles, anchors: Indices, others: Doubles) -> Doubles:
     """Move vertices that were not fitted along with the fitted ones: (N, 3).
 
     Args:

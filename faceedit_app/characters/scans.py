@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.base_colors import linear, png_of
 from faceedit_app.characters.bounded import MOST_TRIANGLES, MOST_VERTICES, finite, read_file
-from faceedit_app.characters.character import Character, Part, Surface, Texture
+from faceedit_app.characters.character import Character, MeshPart, Surface, Texture
 from faceedit_app.characters.paint import Paint
 from faceedit_app.characters.pictures import read_textures
 from faceedit_app.characters.registry import SCAN_REMEDY, read_character
@@ -73,7 +73,7 @@ def _plain(path: Path) -> Character:
         raise FileError(path, f"has {len(faces)} triangles", "export a smaller one")
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise FileError(path, "has a triangle without its vertices", "export it again")
-    part = Part(path.stem, vertices.astype(np.float32), faces)
+    part = MeshPart(path.stem, vertices.astype(np.float32), faces)
     visual = mesh.visual
     if isinstance(visual, trimesh.visual.TextureVisuals) and visual.uv is not None:
         uv = np.asarray(visual.uv, np.float64) * (1, -1) + (0, 1)
@@ -134,7 +134,7 @@ def _joined(character: Character) -> Scan:
     return Scan(vertices, faces, paint.of_vertices, remarks, paint if is_finer else None)
 
 
-def _tints(part: Part, is_colored: bool) -> Floats:
+def _tints(part: MeshPart, is_colored: bool) -> Floats:
     """(V, 4) what multiplies the texture of a part; grey if it has no colours."""
     count = len(part.neutral)
     if not is_colored:
@@ -144,7 +144,7 @@ def _tints(part: Part, is_colored: bool) -> Floats:
     return tints
 
 
-def _coordinates(part: Part) -> Floats:
+def _coordinates(part: MeshPart) -> Floats:
     return np.zeros((len(part.neutral), 2), np.float32) if part.uv is None else part.uv
 
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from faceedit_app.characters.bounded import MOST_TARGETS, Damaged, check_targets
-from faceedit_app.characters.character import Character, Part
-from faceedit_app.characters.gltf import Placed, read_parts
-from faceedit_app.characters.gltf_buffers import Document, Json
+from faceedit_app.characters.character import Character, MeshPart
+from faceedit_app.characters.gltf import PlacedPrimitive, read_parts
+from faceedit_app.characters.gltf_buffers import GltfFile, Json
 from faceedit_app.core.arrays import Floats
 
 # A bind of an expression: the node or mesh, the number of its target, and the weight.
@@ -26,7 +26,7 @@ def read_vrm(path: Path) -> Character:
         FileError: it cannot be read, or holds no mesh.
         Damaged: it contradicts itself.
     """
-    document = Document(path)
+    document = GltfFile(path)
     extensions = document.json.get("extensions") or {}
     is_first = "VRMC_vrm" not in extensions
     vrm: Json = extensions.get("VRM" if is_first else "VRMC_vrm") or {}
@@ -76,8 +76,8 @@ def _number(bind: Json, key: str) -> int:
 
 
 def _with_expressions(
-    placed: Placed, part: Part, expressions: dict[str, Sequence[_Bind]], by_mesh: bool
-) -> Part:
+    placed: PlacedPrimitive, part: MeshPart, expressions: dict[str, Sequence[_Bind]], by_mesh: bool
+) -> MeshPart:
     own = placed.mesh if by_mesh else placed.node
     targets: dict[str, Floats] = dict(part.targets)
     for name, binds in expressions.items():

@@ -89,12 +89,12 @@ def _closed(
     """Close lips and lids of takes, write the takes if asked to, and say what that changed."""
     import numpy as np
 
-    from faceedit_app.characters.closure import Gaps, closure, together
+    from faceedit_app.characters.closure import Openings, closure, together
     from faceedit_app.core.arkit import ARKIT_INDEX
     from faceedit_app.editing.solving.closing import Closing
     from faceedit_app.formats.opening import open_take, write_take
 
-    on_ours, on_theirs = Gaps.of(ours), Gaps.of(theirs)
+    on_ours, on_theirs = Openings.of(ours), Openings.of(theirs)
     own, before, after, changed = [], [], [], []
     for path in takes:
         take = open_take(path)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 OptionalPath = Optional[Path]  # noqa: UP045
 Paths = Optional[list[Path]]  # noqa: UP045
 Texts = Optional[list[str]]  # noqa: UP045
-Number = Optional[int]  # noqa: UP045
+OptionalNumber = Optional[int]  # noqa: UP045
 
 DataOption = Annotated[Paths, typer.Option("--data", help="A folder of takes; repeatable.")]
 FiguresOption = Annotated[
@@ -47,7 +47,7 @@ def train(
         str, typer.Option(help="faceedit, or paper: the settings of the publication.")
     ] = "faceedit",
     epochs: Annotated[
-        Number, typer.Option(min=1, help="Passes over the data for each network.")
+        OptionalNumber, typer.Option(min=1, help="Passes over the data for each network.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Same seed, same data: same networks.")] = 1,
     finetune: Annotated[

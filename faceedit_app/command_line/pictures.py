@@ -22,7 +22,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
-    from faceedit_app.editing.filming import Shot, View
+    from faceedit_app.editing.filming import FilmView, Shot
     from faceedit_app.editing.session import EditSession
 
 
@@ -106,12 +106,12 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-def _view(text: str) -> View:
-    from faceedit_app.editing.filming import View
+def _view(text: str) -> FilmView:
+    from faceedit_app.editing.filming import FilmView
 
-    if text not in list(View):
-        raise FaceEditError(f"--view {text}: must be {', '.join(View)}")
-    return View(text)
+    if text not in list(FilmView):
+        raise FaceEditError(f"--view {text}: must be {', '.join(FilmView)}")
+    return FilmView(text)
 
 
 def _draw(

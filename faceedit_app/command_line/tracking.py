@@ -223,7 +223,7 @@ def _report(
     folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None
 ) -> tuple[Path, Path]:
     from faceedit_app.editing.opening import load_engine, open_session
-    from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
+    from faceedit_app.tracking.side_by_side import SideBySide, write_side_by_side
 
     edited = None
     if edits is not None:
@@ -231,7 +231,7 @@ def _report(
         session.load_edits(edits)
         edited = session.weights
     folder.mkdir(parents=True, exist_ok=True)
-    shown = Shown.of_tracked(tracked, edited)
+    shown = SideBySide.of_tracked(tracked, edited)
     return write_side_by_side(folder / f"{_REPORT}.mp4", shown, rig)
 
 

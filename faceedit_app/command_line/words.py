@@ -22,7 +22,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
-    from faceedit_app.editing.help.dubbing import Match
+    from faceedit_app.editing.help.dubbing import DubMatch
     from faceedit_app.editing.help.spoken import Closure
     from faceedit_app.editing.session import EditSession
     from faceedit_app.media.sound import Sound
@@ -100,7 +100,7 @@ def words(
     are measured, and close, on that character.
     """
     from faceedit_app.media import is_media
-    from faceedit_app.words.aligning import Line
+    from faceedit_app.words.aligning import TextLine
     from faceedit_app.words.files import as_tables, read_words, write_words
     from faceedit_app.words.imported import Imported
 
@@ -109,7 +109,7 @@ def words(
     _check_theirs(retime_to, their_text, their_start)
     keep_inputs([save, output], _read(source, file, retime_to, character, models))
     keep_inputs([save], [source])
-    said = read_words(file) if file is not None else Imported((Line(text or ""),))
+    said = read_words(file) if file is not None else Imported((TextLine(text or ""),))
     spellings = _spellings(sounds_like or [])
     more: dict[str, Any] = {"closures": []}
     if is_media(source):
@@ -247,17 +247,17 @@ def _match(
     text: str | None,
     spellings: dict[str, str],
     start: float | None,
-) -> tuple[Match, float | None]:
+) -> tuple[DubMatch, float | None]:
     """Retime a take to another sound, which ends at a second, or to a file with its words."""
     from faceedit_app.editing.help.dubbing import keep, match
     from faceedit_app.media import is_media
-    from faceedit_app.words.aligning import Line
+    from faceedit_app.words.aligning import TextLine
     from faceedit_app.words.files import read_words
     from faceedit_app.words.imported import Imported, spread
 
     end: float | None = None
     if is_media(path):
-        said = Imported((Line(ours.text if text is None else text),))
+        said = Imported((TextLine(ours.text if text is None else text),))
         theirs, end = _words_of_sound(path, said, spellings)
     else:
         said = read_words(path)
@@ -272,7 +272,7 @@ def _match(
     return found, end
 
 
-def _matched(found: Match) -> dict[str, Any]:
+def _matched(found: DubMatch) -> dict[str, Any]:
     return {
         "matched": found.matched,
         "phonemes": found.total,

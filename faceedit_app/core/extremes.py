@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike, NDArray
 
 Values = NDArray[Any]
 # Takes a slice of rows; returns the (N, C) values there.
-Source = Callable[[slice], Values]
+ReadSlice = Callable[[slice], Values]
 
 STEP = 4  # bins that make one bin of the next level
 _BLOCK = 1 << 14  # rows that are read at a time
@@ -31,7 +31,7 @@ class Extremes:
 
     def __init__(
         self,
-        source: Source,
+        source: ReadSlice,
         length: int,
         columns: int,
         dtype: DTypeLike = np.float32,

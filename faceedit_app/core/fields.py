@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from faceedit_app.core.errors import FileError, reason_of
 
-Word = TypeVar("Word", bound=StrEnum)
+Member = TypeVar("Member", bound=StrEnum)
 
 # Seconds or millimetres: far beyond any take and any face, far below where sums overflow.
 LARGEST = 1e6
@@ -158,14 +158,14 @@ class Fields:
             raise FieldError(f"{self._full(name)} is neither true nor false")
         return value
 
-    def choice(self, name: str, kind: type[Word], default: Word | None = None) -> Word:
+    def choice(self, name: str, kind: type[Member], default: Member | None = None) -> Member:
         """One of the words of an enumeration."""
         value = self._value(name, default)
         if not isinstance(value, str) or value not in list(kind):
             raise FieldError(f"{self._full(name)} must be one of {', '.join(kind)}")
         return kind(value)
 
-    def choice_or_none(self, name: str, kind: type[Word]) -> Word | None:
+    def choice_or_none(self, name: str, kind: type[Member]) -> Member | None:
         """One of the words of an enumeration, or None if the field is null or absent."""
         return None if self._is_null(name) else self.choice(name, kind)
 

@@ -34,7 +34,7 @@ from faceedit_app.media.sound import read_sound
 _BACKGROUND = (0x25, 0x28, 0x2F)  # around a film that does not fill its half
 
 
-class View(StrEnum):
+class FilmView(StrEnum):
     """What a film shows."""
 
     FACE = "face"  # the edited face
@@ -46,14 +46,16 @@ class View(StrEnum):
     @property
     def has_film(self) -> bool:
         """Whether the take's film is shown."""
-        return self in (View.FILM, View.FILM_ABOVE, View.FILM_BELOW)
+        return self in (FilmView.FILM, FilmView.FILM_ABOVE, FilmView.FILM_BELOW)
 
     def room(self, size: tuple[int, int]) -> tuple[int, int]:
         """Width and height of the edited face in a picture of this size."""
         width, height = size
-        if self is View.FACE:
+        if self is FilmView.FACE:
             return width, height
-        return (width // 2, height) if self in (View.BOTH, View.FILM) else (width, height // 2)
+        return (
+            (width // 2, height) if self in (FilmView.BOTH, FilmView.FILM) else (width, height // 2)
+        )
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Shot:
         follows_head: turn the head as it was recorded.
     """
 
-    view: View = View.FACE
+    view: FilmView = FilmView.FACE
     size: tuple[int, int] = (1080, 1080)
     rate: float | None = None
     form: str | None = None
@@ -291,16 +293,16 @@ def _picture(
     """
     edited, tracked = poses
     face = faces.draw(*edited)
-    if shot.view is View.BOTH:
+    if shot.view is FilmView.BOTH:
         return np.concatenate([faces.draw(*tracked), face], axis=1)
     if film is None:
         return face
     (width, height), (high, wide) = size, face.shape[:2]
-    room = (width - wide, height) if shot.view is View.FILM else (width, height - high)
+    room = (width - wide, height) if shot.view is FilmView.FILM else (width, height - high)
     pictures = [_shown(film[0], time - film[1], room, shot.mirrored), face]
-    if shot.view is View.FILM_BELOW:
+    if shot.view is FilmView.FILM_BELOW:
         pictures.reverse()
-    return np.concatenate(pictures, axis=1 if shot.view is View.FILM else 0)
+    return np.concatenate(pictures, axis=1 if shot.view is FilmView.FILM else 0)
 
 
 def _shown(film: Film, second: float, room: tuple[int, int], mirrored: bool) -> Pixels:

@@ -48,7 +48,7 @@ Cells = list[bytes]
 
 
 @dataclass(frozen=True)
-class Rows:
+class TableRows:
     """The R rows of a table, T of which have a frame.
 
     Attributes:
@@ -131,7 +131,7 @@ class Table:
         text_columns: Sequence[int],
         number_columns: Sequence[int],
         flag: int | None = None,
-    ) -> Rows:
+    ) -> TableRows:
         """Read some columns of all rows.
 
         A row without numbers, with -1 in place of all, or whose flag says so has lost the face: it
@@ -176,7 +176,7 @@ class Table:
         frames = np.flatnonzero(~lost)
         kept = [lines[i] for i in frames]
         between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
-        return Rows(texts, lost, numbers[frames], kept, tuple(between), units)
+        return TableRows(texts, lost, numbers[frames], kept, tuple(between), units)
 
     def text(self, cell: bytes) -> str:
         """A cell's text, with a point in a number."""

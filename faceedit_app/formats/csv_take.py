@@ -17,8 +17,8 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import (
-    Rows,
     Table,
+    TableRows,
     first_rows,
     plain_text,
     read_table,
@@ -148,7 +148,7 @@ class _Places:
         last = (self.first, self.rate, self.confidence, self.flag)
         return [*self.clocks, *self.turns.values(), *(place for place in last if place is not None)]
 
-    def cells(self, rows: Rows, column: int) -> list[str]:
+    def cells(self, rows: TableRows, column: int) -> list[str]:
         """The texts of the frames in one of these columns."""
         place = self.texts.index(column)
         return [rows.texts[row][place] for row in np.flatnonzero(~rows.lost).tolist()]
@@ -229,7 +229,7 @@ def csv_take(
     return replace(take, lost_rows=LostRows(_positions(rows)))
 
 
-def _positions(rows: Rows) -> tuple[float, ...]:
+def _positions(rows: TableRows) -> tuple[float, ...]:
     """Where the rows `lost_lines` lie, in frames: evenly between the frames around them."""
     lost, before = np.array(rows.lost_lines), np.searchsorted(rows.lines, rows.lost_lines) - 1
     counts = np.bincount(before)
@@ -257,7 +257,7 @@ def _one_face(table: Table) -> tuple[Table, tuple[str, ...]]:
     return replace(table, face=(column, first)), (note,)
 
 
-def _times(table: Table, places: _Places, rows: Rows) -> RowTimes:
+def _times(table: Table, places: _Places, rows: TableRows) -> RowTimes:
     if rows.lost.all():
         return RowTimes(NoTimes("has no row with a tracked face"))
     cells = [places.cells(rows, column) for column in places.clocks]
@@ -267,7 +267,7 @@ def _times(table: Table, places: _Places, rows: Rows) -> RowTimes:
     return _guessed_times(table, places.first, places.cells(rows, places.first), rows) or found
 
 
-def _guessed_times(table: Table, column: int, cells: list[str], rows: Rows) -> RowTimes | None:
+def _guessed_times(table: Table, column: int, cells: list[str], rows: TableRows) -> RowTimes | None:
     """The times in a column of any name, if it runs forward in every row."""
     try:
         found = read_times(table, [column], [cells], rows.lines)
@@ -284,7 +284,7 @@ def _guessed_times(table: Table, column: int, cells: list[str], rows: Rows) -> R
     return replace(found, timing=replace(timing, notes=(note, *timing.notes)))
 
 
-def _says_percent(table: Table, columns: Columns, rows: Rows) -> bool:
+def _says_percent(table: Table, columns: Columns, rows: TableRows) -> bool:
     """Whether the names of the channels, or a row of units, say that the weights are percent."""
     said = [unit for unit in rows.units if unit]
     if not said:  # the end of each name
@@ -292,7 +292,7 @@ def _says_percent(table: Table, columns: Columns, rows: Rows) -> bool:
     return bool(said) and all(map(_PERCENT.fullmatch, said))
 
 
-def _scale(table: Table, columns: Columns, rows: Rows) -> tuple[float | None, tuple[str, ...]]:
+def _scale(table: Table, columns: Columns, rows: TableRows) -> tuple[float | None, tuple[str, ...]]:
     """The value of a full blendshape if the file says it, and a note if it cannot be right."""
     if table.percent:
         return PERCENT, ()
@@ -303,13 +303,13 @@ def _scale(table: Table, columns: Columns, rows: Rows) -> tuple[float | None, tu
     return None, ("the names say percent, but the weights run from 0 to 1: read as such",)
 
 
-def _timecodes(places: _Places, rows: Rows, times: RowTimes) -> tuple[str, ...] | None:
+def _timecodes(places: _Places, rows: TableRows, times: RowTimes) -> tuple[str, ...] | None:
     if times.kind != "timecode" or times.column is None:
         return None
     return tuple(places.cells(rows, times.column))
 
 
-def _ticks(places: _Places, rows: Rows, times: RowTimes) -> tuple[int, float] | None:
+def _ticks(places: _Places, rows: TableRows, times: RowTimes) -> tuple[int, float] | None:
     """The column of times in another unit, and how many of these make a second."""
     if times.kind != "number" or times.column is None or isinstance(times.timing, NoTimes):
         return None
@@ -322,7 +322,7 @@ def _ticks(places: _Places, rows: Rows, times: RowTimes) -> tuple[int, float] | 
     return None if ticks is None else (times.column, ticks)
 
 
-def _rotations(places: _Places, rows: Rows) -> Floats | None:
+def _rotations(places: _Places, rows: TableRows) -> Floats | None:
     """(T, 9) as in `Clip.rotations`; None if there are none, or a cell is not a number."""
     try:
         cells = [places.cells(rows, column) for column in places.turns.values()]
@@ -331,7 +331,7 @@ def _rotations(places: _Places, rows: Rows) -> Floats | None:
         return None
 
 
-def _confidence(places: _Places, rows: Rows) -> Floats | None:
+def _confidence(places: _Places, rows: TableRows) -> Floats | None:
     """(T,) how sure the tracker was; None if the column holds other than numbers from 0 to 1."""
     if places.confidence is None:
         return None
@@ -357,7 +357,7 @@ def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
     return (f"no row has a number for {', '.join(empty)}: carried",)
 
 
-def _nameless_notes(table: Table, rows: Rows, columns: list[int]) -> tuple[str, ...]:
+def _nameless_notes(table: Table, rows: TableRows, columns: list[int]) -> tuple[str, ...]:
     """The note about columns of numbers without a name; one alone may be the number of the row."""
     first = table.cells(rows.lines[0]) if rows.lines else []
     filled = [k for k in columns if k < len(first) and is_number(table.text(first[k]))]
@@ -366,7 +366,7 @@ def _nameless_notes(table: Table, rows: Rows, columns: list[int]) -> tuple[str, 
     return (f"{len(filled)} columns of numbers have no name: carried",)
 
 
-def _count_notes(table: Table, places: _Places, rows: Rows) -> tuple[str, ...]:
+def _count_notes(table: Table, places: _Places, rows: TableRows) -> tuple[str, ...]:
     if places.said is None:
         return ()
     # The tracker's confidence stands after what is counted.

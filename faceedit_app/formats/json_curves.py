@@ -23,7 +23,7 @@ from faceedit_app.formats.json_entries import (
     letters,
 )
 from faceedit_app.formats.json_take import JsonFrames, Naming
-from faceedit_app.formats.json_text import JsonText, Place, as_list, as_object
+from faceedit_app.formats.json_text import JsonText, NumberPlace, as_list, as_object
 from faceedit_app.formats.time_columns import time_columns
 
 _SERIES = ("values", "weights", "scores", "data", "keys", "keyframes", "keyframepoints", "samples")
@@ -40,7 +40,7 @@ class Keys:
         clock: what the document calls the times.
     """
 
-    times: Sequence[Place]
+    times: Sequence[NumberPlace]
     weights: Sequence[Any]
     clock: str
 
@@ -77,7 +77,7 @@ def found_times(document: Any, length: int) -> Sequence[Any]:
         names = list(entry)
         for k in time_columns([name or "-" for name in names]):
             times = as_list(entry[names[k]])
-            if times and len(times) == length and isinstance(times[0], Place | str):
+            if times and len(times) == length and isinstance(times[0], NumberPlace | str):
                 return times
     return ()
 
@@ -143,7 +143,7 @@ def _keys(series: Sequence[Any]) -> Keys | None:
         weights = [as_object(entry).get(number) for entry in series]
     else:
         return None
-    kept = [time for time in times if isinstance(time, Place)]
+    kept = [time for time in times if isinstance(time, NumberPlace)]
     return Keys(kept, weights, clock) if len(kept) == len(series) else None
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_take import JsonFrames, Naming
-from faceedit_app.formats.json_text import JsonText, Place, as_object
+from faceedit_app.formats.json_text import JsonText, NumberPlace, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.lost_faces import CONFIDENCE, is_flag, says_lost
 from faceedit_app.formats.time_columns import time_columns
@@ -40,7 +40,7 @@ _NUMBERED = re.compile(r"([A-Za-z]{1,12}[ _-]?)(\d+)")
 _FEWEST_FRAMES = 2  # of a list beside the one that is read, which may hold a pose only
 _MORE = 4  # entries that an inner list must have to be the frames of one face
 
-Frames = tuple[Sequence[str], Sequence[Any]]
+FrameList = tuple[Sequence[str], Sequence[Any]]
 """The entries of frames, and their keys if they have some."""
 
 Weights = Mapping[str, Any]
@@ -76,7 +76,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     )
 
 
-def _lists(entry: Any, depth: int) -> Iterator[Frames]:
+def _lists(entry: Any, depth: int) -> Iterator[FrameList]:
     """Lists that may be the frames, the outermost first, with the names of their entries."""
     if depth > DEEPEST:
         return
@@ -95,7 +95,7 @@ def _lists(entry: Any, depth: int) -> Iterator[Frames]:
             yield from _lists(inner, depth + 1)
 
 
-def _of_one_face(found: Frames, naming: Naming) -> tuple[Frames, tuple[str, ...]]:
+def _of_one_face(found: FrameList, naming: Naming) -> tuple[FrameList, tuple[str, ...]]:
     """The frames, of the first face if the entries found are faces with frames of their own."""
     entries = found[1]
     inner = [one for one in _lists(entries[0], 1) if _have_weights(one[1], naming)]
@@ -109,7 +109,7 @@ def _of_one_face(found: Frames, naming: Naming) -> tuple[Frames, tuple[str, ...]
     return own, (note,) if len(entries) > 1 else ()
 
 
-def _other_lists(document: Any, found: Frames, naming: Naming) -> tuple[str, ...]:
+def _other_lists(document: Any, found: FrameList, naming: Naming) -> tuple[str, ...]:
     """The note about other lists with frames of the same weights, beside the one that is read."""
     keys, entries = found
     if keys:
@@ -214,7 +214,7 @@ def _sets(entry: Any, naming: Naming, depth: int = 0) -> Iterator[Weights]:
 
 def _of_object(entry: Mapping[str, Any], naming: Naming) -> Weights:
     """The numbers of `{"jawOpen": 0.1}`, also as `{"value": 0.1}`, and of nested names."""
-    found = {n: v for n, v in entry.items() if v is None or isinstance(v, Place)}
+    found = {n: v for n, v in entry.items() if v is None or isinstance(v, NumberPlace)}
     for name, value in entry.items():
         number = _number_of(value) if isinstance(value, dict) and len(value) <= _FEW else None
         if number is not None and naming(name):
@@ -241,7 +241,7 @@ def _nested(
                 yield from _nested(longer, value, naming)
                 continue
             value = number
-        if not isinstance(value, Place | None):
+        if not isinstance(value, NumberPlace | None):
             continue
         joined = _joined(longer)
         if naming(joined) and not any(naming(_joined(longer[k:])) for k in range(1, len(longer))):
@@ -260,7 +260,9 @@ def _of_list(entries: Sequence[Any]) -> Weights:
         pairs = list(zip(names, numbers, strict=False))
     else:
         pairs = [pair for one in entries if (pair := _named_number(one)) is not None]
-    return {n: v for n, v in pairs if isinstance(n, str) and (v is None or isinstance(v, Place))}
+    return {
+        n: v for n, v in pairs if isinstance(n, str) and (v is None or isinstance(v, NumberPlace))
+    }
 
 
 def _named_number(entry: Any) -> tuple[str, Any] | None:
@@ -275,12 +277,12 @@ def _named_number(entry: Any) -> tuple[str, Any] | None:
     if name is None or number is None:
         return None
     value = entry[number]
-    return (name, value) if value is None or isinstance(value, Place) else None
+    return (name, value) if value is None or isinstance(value, NumberPlace) else None
 
 
-def _number_of(entry: Mapping[str, Any]) -> Place | None:
+def _number_of(entry: Mapping[str, Any]) -> NumberPlace | None:
     numbers = (value for key, value in entry.items() if letters(key) in NUMBERS)
-    return next((value for value in numbers if isinstance(value, Place)), None)
+    return next((value for value in numbers if isinstance(value, NumberPlace)), None)
 
 
 def is_text(value: Any) -> bool:
@@ -298,7 +300,7 @@ def _clock_keys(entry: Mapping[str, Any]) -> list[str]:
     """The keys of an object that may hold times, the most reliable first."""
     keys = list(entry)
     found = (keys[k] for k in time_columns([key or "-" for key in keys]))
-    return [key for key in found if isinstance(entry[key], Place | str)]
+    return [key for key in found if isinstance(entry[key], NumberPlace | str)]
 
 
 def clock_of(frame: Any) -> tuple[str, ...]:

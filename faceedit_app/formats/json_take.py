@@ -15,7 +15,7 @@ from faceedit_app.core.arrays import Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
-from faceedit_app.formats.json_text import JsonSource, JsonText, Place, Places, as_list
+from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Places, as_list
 from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
 from faceedit_app.formats.rotations import all_rotations, found_rotations
 from faceedit_app.formats.take import Recording, Take, finish_take
@@ -142,7 +142,7 @@ def _places(text: JsonText, frames: JsonFrames, columns: list[int]) -> NDArray[n
             continue
         if len(weights) != len(frames.names):
             problem = f"frame {row + 1} has {len(weights)} weights, there are {len(frames.names)}"
-            first = next((int(entry) for entry in weights if isinstance(entry, Place)), -1)
+            first = next((int(entry) for entry in weights if isinstance(entry, NumberPlace)), -1)
             raise text.error(f"{problem} names", place=first)
         places[row] = text.places(weights)[columns]
     return places
@@ -153,7 +153,7 @@ def _sure_places(text: JsonText, frames: JsonFrames, kept: Indices) -> Places | 
     if len(frames.sure) != len(frames.weights):
         return None
     entries = [frames.sure[row] for row in kept.tolist()]
-    return text.places(entries) if all(isinstance(one, Place) for one in entries) else None
+    return text.places(entries) if all(isinstance(one, NumberPlace) for one in entries) else None
 
 
 def _all_turns(places: Places, names: Sequence[str]) -> Places:
@@ -182,7 +182,7 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
     except BadRow as bad:
         frame = int(kept[bad.row]) + 1
         entry = times[bad.row]
-        place = int(entry) if isinstance(entry, Place) else -1
+        place = int(entry) if isinstance(entry, NumberPlace) else -1
         problem = f"the time of frame {frame} does not come after that of the frame before it"
         raise text.error(problem, "sort the frames by time", place) from None
     if frames.rate is None:

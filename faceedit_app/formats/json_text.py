@@ -49,7 +49,7 @@ Places = NDArray[np.int64]
 """Numbers of a document: n for the n-th, -1 for one that is missing (null or NaN)."""
 
 
-class Place(int):
+class NumberPlace(int):
     """A number of a document: the n-th."""
 
     __slots__ = ()
@@ -63,7 +63,7 @@ class JsonText:
         path: the file, for messages.
         content: its bytes.
         numbers: its bytes, as long, with spaces for the quotes around numbers.
-        document: the parsed document, with a `Place` for each number.
+        document: the parsed document, with a `NumberPlace` for each number.
         values: (N,) float64 of its numbers, in order.
     """
 
@@ -93,7 +93,7 @@ class JsonText:
 
     def number(self, entry: Any) -> float | None:
         """The number at an entry of the document; None if the entry is not a number."""
-        return float(self.values[entry]) if isinstance(entry, Place) else None
+        return float(self.values[entry]) if isinstance(entry, NumberPlace) else None
 
     def places(self, entries: Sequence[Any]) -> Places:
         """Where the numbers of a list are; null counts as missing.
@@ -103,7 +103,7 @@ class JsonText:
         """
         out = np.full(len(entries), -1, np.int64)
         for k, entry in enumerate(entries):
-            if isinstance(entry, Place):
+            if isinstance(entry, NumberPlace):
                 out[k] = entry
             elif entry is not None:
                 raise self.error("has a weight that is not a number")
@@ -138,11 +138,11 @@ def read_json(path: Path, content: bytes) -> JsonText:
         raise FileError(path, f"is JSON of over {_LARGEST >> 20} MB", _SMALLER)
     values = array("d")
 
-    def number(text: str) -> Place:
+    def number(text: str) -> NumberPlace:
         if len(values) >= _MOST_NUMBERS:
             raise FileError(path, f"has over {_MOST_NUMBERS:,} numbers", _SMALLER)
         values.append(float(text))
-        return Place(len(values) - 1)
+        return NumberPlace(len(values) - 1)
 
     decoder = json.JSONDecoder(
         parse_float=number, parse_int=number, parse_constant=lambda name: None

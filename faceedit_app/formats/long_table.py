@@ -47,7 +47,7 @@ _DELIMITERS = (b",", b";", b"\t", b"|")
 
 
 @dataclass(frozen=True)
-class Layout:
+class LongLayout:
     """Where a table has what.
 
     Attributes:
@@ -123,7 +123,7 @@ def _with_header(table: Table) -> Table:
     return table
 
 
-def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> Layout:
+def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> LongLayout:
     name = _name_column(
         [b"", *(table.delimiter.join(row) for row in rows)], table.delimiter, naming
     )
@@ -139,7 +139,7 @@ def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> Layout:
             'call the column "value"',
             max(table.header, 0),
         )
-    return Layout(name, free[-1], tuple(k for k in clocks if k != free[-1]))
+    return LongLayout(name, free[-1], tuple(k for k in clocks if k != free[-1]))
 
 
 def _holds_numbers(table: Table, rows: Sequence[Cells], column: int) -> bool:
@@ -205,7 +205,7 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     )
 
 
-def _without_counters(table: Table, rows: Sequence[Cells], layout: Layout) -> Layout:
+def _without_counters(table: Table, rows: Sequence[Cells], layout: LongLayout) -> LongLayout:
     """The layout without columns that number the lines or the channels, not the frames."""
     names = [row[layout.name] for row in rows]
     kept = []
@@ -218,7 +218,7 @@ def _without_counters(table: Table, rows: Sequence[Cells], layout: Layout) -> La
 
 
 def _timecodes(
-    layout: Layout, times: RowTimes, texts: Sequence[Sequence[str]]
+    layout: LongLayout, times: RowTimes, texts: Sequence[Sequence[str]]
 ) -> tuple[str, ...] | None:
     if times.kind != "timecode" or times.column is None:
         return None
@@ -242,7 +242,7 @@ def _values(
     table: Table,
     rows: Sequence[Cells],
     lines: Sequence[int],
-    layout: Layout,
+    layout: LongLayout,
     places: NDArray[np.int64],
 ) -> Doubles:
     """(T, K) the weights at some entries; NaN where there is none."""

@@ -28,7 +28,7 @@ from faceedit_app.formats.json_rate import frame_rate
 from faceedit_app.formats.json_take import JsonFrames, Naming, json_take
 from faceedit_app.formats.json_text import (
     JsonText,
-    Place,
+    NumberPlace,
     as_list,
     as_object,
     looks_like_json,
@@ -141,7 +141,7 @@ def _all_names(document: Any) -> Iterator[list[Any]]:
     for entry in dicts(document, 0):
         for one in (entry, *map(as_object, entry.values())):
             places = list(one.values())
-            if places and all(isinstance(place, Place) for place in places):
+            if places and all(isinstance(place, NumberPlace) for place in places):
                 yield list(one)
 
 
@@ -186,6 +186,6 @@ def _row(entry: Any, length: int) -> list[Any]:
     lists = [entry, *entry.values()] if isinstance(entry, dict) else [entry]
     for one in lists:
         numbers = as_list(one)
-        if len(numbers) == length and all(n is None or isinstance(n, Place) for n in numbers):
+        if len(numbers) == length and all(n is None or isinstance(n, NumberPlace) for n in numbers):
             return numbers
     return []

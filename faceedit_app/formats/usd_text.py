@@ -34,7 +34,7 @@ _NUMBER = re.compile(rb"[^\s,]+")
 _CODES = re.compile(rb"\btimeCodesPerSecond\s*=\s*([-+\d.eE]+)")
 _AGAIN = "export it again"
 
-Span = tuple[int, int]
+TextSpan = tuple[int, int]
 
 
 def sniff(content: bytes) -> float:
@@ -98,12 +98,12 @@ def _names(part: bytes) -> list[str]:
 
 def _samples(
     path: Path, content: bytes, part: bytes, start: int, width: int
-) -> tuple[NDArray[np.float64], list[list[Span]]]:
+) -> tuple[NDArray[np.float64], list[list[TextSpan]]]:
     """The time codes, and where the weights of each are in the file; none if the face was lost."""
     body = _SAMPLES.search(part)
     assert body is not None  # as sniffed
     times: list[float] = []
-    rows: list[list[Span]] = []
+    rows: list[list[TextSpan]] = []
     for match in _SAMPLE.finditer(body[1]):
         begin = start + body.start(1) + match.start(3)
         cells = list(_NUMBER.finditer(match[3] or b""))

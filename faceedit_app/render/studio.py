@@ -26,7 +26,7 @@ from faceedit_app.render.pyrender_parts import (
 )
 from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, vertex_looks
-from faceedit_app.render.targets import Kept, Target, Targets, View
+from faceedit_app.render.targets import StillParts, Target, Targets, View
 
 SAMPLES = 4
 _FINE = 1_200_000  # pixels, up to which fine pictures are drawn at twice their width and height
@@ -82,7 +82,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         model = self._model
         self._stage = Stage(PortraitCamera(), model.still, model.moving, model.backdrop)
         self._targets, self._fine = Targets(), Targets()
-        self._kept = Kept(self._draw_still)
+        self._kept = StillParts(self._draw_still)
         self._drawn: Target
         self._looked: View | None = None  # the last picture's, if it was not tinted
         self._prepared: View | None = None  # the view for which still parts were copied

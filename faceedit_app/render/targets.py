@@ -95,7 +95,7 @@ class Targets:
         self._targets = {}
 
 
-class Kept:
+class StillParts:
     """Pictures and depths of the still parts, on which the moving parts are drawn.
 
     Backdrop, most of the hair, neck and skull are a third of the work; copying them is fast.

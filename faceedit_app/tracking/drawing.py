@@ -31,7 +31,7 @@ _LIP_COLOUR, _LID_COLOUR = (
 
 
 @dataclass(frozen=True)
-class Stroke:
+class LandmarkPath:
     """A run of landmarks to be joined.
 
     Attributes:
@@ -45,15 +45,15 @@ class Stroke:
     is_control: bool = False
 
 
-STROKES: tuple[Stroke, ...] = (
-    *(Stroke(run, _PLAIN) for run in (LEFT_BROW, RIGHT_BROW, NOSE)),
+STROKES: tuple[LandmarkPath, ...] = (
+    *(LandmarkPath(run, _PLAIN) for run in (LEFT_BROW, RIGHT_BROW, NOSE)),
     *(
-        Stroke(run, _LIP_COLOUR)
+        LandmarkPath(run, _LIP_COLOUR)
         for run in (UPPER_OUTER_LIP, LOWER_OUTER_LIP, UPPER_INNER_LIP, LOWER_INNER_LIP)
     ),
-    *(Stroke(run, _LID_COLOUR) for run in (LEFT_LIDS, RIGHT_LIDS)),
+    *(LandmarkPath(run, _LID_COLOUR) for run in (LEFT_LIDS, RIGHT_LIDS)),
     *(
-        Stroke(pair, CONTROLS[index].color, True)
+        LandmarkPath(pair, CONTROLS[index].color, True)
         for index, pair in CONTROL_PAIRS.items()
         if index in (CONTROL_INDEX[LIP_OPENING], *(CONTROL_INDEX[lid] for lid in LIDS))
     ),
@@ -63,7 +63,7 @@ DRAWN: tuple[int, ...] = tuple(sorted({n for stroke in STROKES for n in stroke.l
 """The landmarks that are drawn."""
 
 
-def places_of(points: Doubles, stroke: Stroke) -> Doubles:
+def places_of(points: Doubles, stroke: LandmarkPath) -> Doubles:
     """(n, 2) of a stroke's landmarks among points (478, 2 or 3)."""
     places: Doubles = np.asarray(points)[list(stroke.landmarks), :2]
     return places

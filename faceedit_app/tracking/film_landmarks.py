@@ -59,8 +59,8 @@ class FilmLandmarks:
         rate: pictures per second.
         timecode: of the first picture, as the film writes it, if it has one.
         size: width and height of the pictures that were looked at, pixels.
-        points: (F, 478, 3) as `Face.points`; NaN where the face was not found.
-        probabilities: (F,) as `Face.probability`; 0 where it was not found.
+        points: (F, 478, 3) as `FaceLandmarks.points`; NaN where the face was not found.
+        probabilities: (F,) as `FaceLandmarks.probability`; 0 where it was not found.
         colors: (F, 478, 3) uint8, see `colors_at`; 0 where it was not found.
         lips: (F, SAMPLES, 3) uint8, see `colors_across`; 0 where it was not found; None = unknown.
         remarks: as `Film.remarks`.

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.tracking.landmarker import Face, FaceLandmarker, Square
+from faceedit_app.tracking.landmarker import FaceLandmarker, FaceLandmarks, Square
 
 _CERTAIN = 0.9  # probability of a face that is upside down or small, where more looks like one
 _NEAR = 0.75  # of a face's size; where it is looked for after it was lost
@@ -35,7 +35,7 @@ class Follower:
         self._last: Square | None = None  # where it was before it was lost
         self._missed = 0  # pictures in a row without a face
 
-    def step(self, image: Image.Image) -> Face | None:
+    def step(self, image: Image.Image) -> FaceLandmarks | None:
         """The face in the next picture, or None."""
         face = None
         if self._square is not None:
@@ -51,7 +51,7 @@ class Follower:
         """The next picture is beside one with the face at landmarks (478, 2 or 3)."""
         self._square = self._last = Square.around(points)
 
-    def _look(self, image: Image.Image) -> Face | None:
+    def _look(self, image: Image.Image) -> FaceLandmarks | None:
         face = self._face_in(image, self._landmarker.faces(image))
         if face is None and (self._last is None or math.cos(self._last.angle) < 0):
             face = self._upside_down(image)
@@ -62,7 +62,7 @@ class Follower:
         # Once more in the square around the landmarks, which is more exact.
         return self._landmarker.landmarks(image, Square.around(face.points)) or face
 
-    def _face_in(self, image: Image.Image, squares: list[Square]) -> Face | None:
+    def _face_in(self, image: Image.Image, squares: list[Square]) -> FaceLandmarks | None:
         """The face that is followed, in one of the squares, the largest first; or None."""
         last = self._last
         if last is not None:  # the same face again, not another one
@@ -74,7 +74,7 @@ class Follower:
         face = self._landmarker.landmarks(image, squares[0]) if squares else None
         return face if face is not None and math.isfinite(face.probability) else None
 
-    def _upside_down(self, image: Image.Image) -> Face | None:
+    def _upside_down(self, image: Image.Image) -> FaceLandmarks | None:
         """A face that is upside down, which the networks do not find, or not where it is."""
         width, height = image.size
         squares = [
@@ -83,7 +83,7 @@ class Follower:
         ]
         return _if_certain(self._face_in(image, squares))
 
-    def _closer(self, image: Image.Image) -> Face | None:
+    def _closer(self, image: Image.Image) -> FaceLandmarks | None:
         """A face that is too small for the detector, which sees little of a whole picture."""
         for views in self._views(*image.size):
             squares = [found for view in views for found in self._landmarker.faces(image, view)]
@@ -117,5 +117,5 @@ def _spread(length: float, side: float) -> list[float]:
     return middles
 
 
-def _if_certain(face: Face | None) -> Face | None:
+def _if_certain(face: FaceLandmarks | None) -> FaceLandmarks | None:
     return face if face is not None and face.probability > _CERTAIN else None

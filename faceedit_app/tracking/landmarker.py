@@ -63,7 +63,7 @@ class Square:
 
 
 @dataclass(frozen=True)
-class Face:
+class FaceLandmarks:
     """Landmarks in one picture.
 
     Attributes:
@@ -141,7 +141,7 @@ class FaceLandmarker:
                 found.append(square)
         return sorted(found, key=lambda square: -square.size)
 
-    def landmarks(self, image: Image.Image, square: Square) -> Face | None:
+    def landmarks(self, image: Image.Image, square: Square) -> FaceLandmarks | None:
         """The landmarks in a square of an RGB picture, or None if it shows no face."""
         outputs = self._landmarker(_cut(image, square, _LARGE)[None] / 255.0)
         points = next(o for o in outputs if o.size == 3 * LANDMARKS).reshape(LANDMARKS, 3)
@@ -152,7 +152,7 @@ class FaceLandmarker:
         local[:, :2] -= 0.5
         local *= square.size
         local[:, :2] = local[:, :2] @ _rotation(square.angle).T + (square.x, square.y)
-        return Face(local, probability)
+        return FaceLandmarks(local, probability)
 
 
 class Network:

@@ -31,7 +31,7 @@ _SHARP = 2  # lines are drawn so many times as large and scaled down
 
 
 @dataclass(frozen=True)
-class Shown:
+class SideBySide:
     """What is shown side by side, for each of the F pictures of a film.
 
     Attributes:
@@ -50,7 +50,7 @@ class Shown:
     faces: tuple[Floats, ...]
 
     @classmethod
-    def of_tracked(cls, tracked: Tracked, edited: Floats | None = None) -> Shown:
+    def of_tracked(cls, tracked: Tracked, edited: Floats | None = None) -> SideBySide:
         """What was tracked, and the weights of `tracked.clip` after edits."""
         film = tracked.landmarks
 
@@ -64,7 +64,7 @@ class Shown:
     @classmethod
     def of_take(
         cls, film: Film, stored: StoredLandmarks, clip: Clip, offset: float, edited: Floats
-    ) -> Shown:
+    ) -> SideBySide:
         """An open take.
 
         Args:
@@ -83,7 +83,7 @@ class Shown:
         clip: Clip,
         times: Times,
         edited: Floats | None,
-    ) -> Shown:
+    ) -> SideBySide:
         """`times` (F,) of the pictures on the clip's clock."""
         rows = np.array([clip.frame_at(seconds) for seconds in times.tolist()], np.intp)
         sure = np.abs(clip.times[rows] - times) < 0.75 / clip.rate
@@ -95,7 +95,7 @@ class Shown:
 
 def write_side_by_side(
     output: Path,
-    shown: Shown,
+    shown: SideBySide,
     rig: Rig,
     progress: Callable[[int, int], None] = lambda done, of: None,
     stopped: Callable[[], bool] | None = None,
@@ -152,7 +152,7 @@ def _sound(film: Path) -> Soundtrack | None:
     return None if sound is None else Soundtrack(sound)
 
 
-def _moments(shown: Shown, rig: Rig) -> list[int]:
+def _moments(shown: SideBySide, rig: Rig) -> list[int]:
     """The pictures of the PNG: the lips shut and most open, and others spread between."""
     pictures = np.flatnonzero(shown.sure)
     opening = rig.arkit_distances.measure(shown.faces[0][shown.rows[pictures]])[:, 0]
@@ -169,7 +169,7 @@ class _Columns:
         film: the film.
     """
 
-    def __init__(self, shown: Shown, rig: Rig) -> None:
+    def __init__(self, shown: SideBySide, rig: Rig) -> None:
         self._shown, self._rig = shown, rig
         self.film = Film(shown.film)
         self._square: tuple[float, float, float] | None = None
@@ -214,7 +214,7 @@ class _Columns:
         return (drawn[..., 2::-1] * shade).astype(np.uint8)
 
 
-def _square(shown: Shown, size: tuple[int, int]) -> tuple[float, float, float]:
+def _square(shown: SideBySide, size: tuple[int, int]) -> tuple[float, float, float]:
     """Middle and half the side of a square around the face, pixels, which stays still.
 
     It lies within the picture.

@@ -31,7 +31,7 @@ _SILENT = 33  # of 32768, -60 dB
 
 
 @dataclass(frozen=True)
-class Line:
+class TextLine:
     """Some text, and when it was said if that is known; seconds of the sound."""
 
     text: str
@@ -42,7 +42,7 @@ class Line:
 def align(
     samples: Samples,
     rate: int,
-    lines: Sequence[Line],
+    lines: Sequence[TextLine],
     sounds_like: Mapping[str, str] | None = None,
     progress: Callable[[float], bool] | None = None,
 ) -> Transcript:
@@ -81,7 +81,7 @@ def align(
 
 def _agreed(
     heard: Sequence[Samples],
-    typed: Sequence[tuple[Line, list[str]]],
+    typed: Sequence[tuple[TextLine, list[str]]],
     phones: Mapping[str, str],
     progress: Callable[[float], bool],
 ) -> tuple[Word, ...]:
@@ -110,7 +110,7 @@ def _agreed(
 
 def _found(
     spoken: Spoken,
-    typed: Sequence[tuple[Line, list[str]]],
+    typed: Sequence[tuple[TextLine, list[str]]],
     phones: Mapping[str, str],
     progress: Callable[[float], bool],
 ) -> list[Word]:
@@ -146,7 +146,7 @@ def align_part(
     rate: int,
     start: float,
     part: tuple[float, float],
-    lines: Sequence[Line],
+    lines: Sequence[TextLine],
     sounds_like: Mapping[str, str] | None = None,
     progress: Callable[[float], bool] | None = None,
 ) -> Transcript:
@@ -169,9 +169,9 @@ def align_part(
         raise FaceEditError("There is no sound in this part; choose another part")
     begins = start + first / rate
     moved = [
-        Line(line.text, line.start - begins, line.end - begins)
+        TextLine(line.text, line.start - begins, line.end - begins)
         if line.start is not None and line.end is not None
-        else Line(line.text)
+        else TextLine(line.text)
         for line in lines
     ]
     return align(inside, rate, moved, sounds_like, progress).shifted(begins)
@@ -207,7 +207,7 @@ def _moved(word: Word, spoken: Spoken) -> Word:
     return Word(word.text, begin(word.start), end(word.end), phonemes)
 
 
-def _is_in(line: Line, seconds: float) -> bool:
+def _is_in(line: TextLine, seconds: float) -> bool:
     """Whether a line may be said in the sound; subtitles are often those of a whole film."""
     if line.start is None or line.end is None:
         return True

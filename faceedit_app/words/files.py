@@ -16,9 +16,9 @@ from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import FieldError, Fields, clean_text, parse, read_document, to_text
 from faceedit_app.words import subtitles, textgrids
-from faceedit_app.words.aligning import Line
+from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.dictionary import tokens
-from faceedit_app.words.imported import Imported, Interval, decoded, with_times
+from faceedit_app.words.imported import Imported, TimedText, decoded, with_times
 from faceedit_app.words.transcript import MOST_WORDS, VERSION, Transcript
 from faceedit_app.words.transcriptions import lines_of
 
@@ -101,7 +101,7 @@ def _read_text(path: Path, content: bytes) -> Imported:
         raise FileError(path, "holds subtitles in the format ASS", "save them as SRT")
     if text.startswith(_RTF):
         raise FileError(path, "is rich text", "save it as plain text")
-    return Imported((Line(clean_text(text, _LARGEST)),))
+    return Imported((TextLine(clean_text(text, _LARGEST)),))
 
 
 def _read_json(path: Path, content: bytes) -> Imported:
@@ -133,7 +133,7 @@ def _parsed(path: Path, content: bytes) -> Any | None:
     return None if isinstance(document, dict) and "version" in document else document
 
 
-def _lines(path: Path, document: Any) -> tuple[Line, ...]:
+def _lines(path: Path, document: Any) -> tuple[TextLine, ...]:
     """The lines of another program's JSON."""
     lines = lines_of(document)
     if not lines:
@@ -141,7 +141,7 @@ def _lines(path: Path, document: Any) -> tuple[Line, ...]:
     return lines
 
 
-def _times(fields: Fields) -> Interval:
+def _times(fields: Fields) -> TimedText:
     return fields.text("text"), fields.number("start"), fields.number("end")
 
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, clean_text
-from faceedit_app.words.aligning import Line
+from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.dictionary import phonemes_of, tokens
 from faceedit_app.words.transcript import Phoneme, Transcript, Word, check_order
 
-Interval = tuple[str, float, float]  # text or symbol, start and end in seconds
+TimedText = tuple[str, float, float]  # text or symbol, start and end in seconds
 
 _MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
@@ -35,7 +35,7 @@ class Imported:
         transcript: the words in time, if it says when each was said.
     """
 
-    lines: tuple[Line, ...]
+    lines: tuple[TextLine, ...]
     transcript: Transcript | None = None
 
 
@@ -77,7 +77,7 @@ def _is_western(text: str) -> bool:
     return sum(ord(c) > 127 for c in letters) <= _WESTERN * len(letters)
 
 
-def spread(lines: Sequence[Line], seconds: float) -> Transcript:
+def spread(lines: Sequence[TextLine], seconds: float) -> Transcript:
     """Words spread evenly over the time of their lines, for subtitles without a sound.
 
     Args:
@@ -100,7 +100,7 @@ def spread(lines: Sequence[Line], seconds: float) -> Transcript:
     return Transcript(tuple(words))
 
 
-def with_times(path: Path, words: Sequence[Interval], phonemes: Sequence[Interval]) -> Imported:
+def with_times(path: Path, words: Sequence[TimedText], phonemes: Sequence[TimedText]) -> Imported:
     """Words with the phonemes that lie in them; those without any have the dictionary's.
 
     If there are no words, each phoneme is one.
@@ -118,7 +118,7 @@ def with_times(path: Path, words: Sequence[Interval], phonemes: Sequence[Interva
             if start <= 0.5 * (a + b) <= end
         ]
         if not inside:
-            guessed = spread((Line(text, start, end),), end).words
+            guessed = spread((TextLine(text, start, end),), end).words
             inside = [p for word in guessed for p in word.phonemes] if len(guessed) == 1 else []
         made.append(Word(text, start, end, tuple(inside)))
     transcript = Transcript(tuple(made))
@@ -126,4 +126,4 @@ def with_times(path: Path, words: Sequence[Interval], phonemes: Sequence[Interva
         check_order(transcript)
     except FieldError as error:
         raise FileError(path, f"is damaged: {error}", "correct it") from error
-    return Imported((Line(transcript.text),), transcript)
+    return Imported((TextLine(transcript.text),), transcript)

@@ -10,7 +10,7 @@ from typing import Any
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
-from faceedit_app.words.aligning import Line
+from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.dictionary import tokens
 from faceedit_app.words.imported import Imported, decoded
 from faceedit_app.words.transcript import Transcript, Word
@@ -45,7 +45,7 @@ def read(path: Path, content: bytes) -> Imported:
         events = SSAFile.from_string(text, format_=form)
     except (Pysubs2Error, ValueError, IndexError, OverflowError) as error:
         raise FileError(path, "is not a subtitle file", "choose another file") from error
-    lines: list[Line] = []
+    lines: list[TextLine] = []
     shown: list[str] = []
     for event in sorted(events, key=lambda event: event.start):
         plain = html.unescape(event.plaintext) if form == "vtt" else event.plaintext
@@ -54,7 +54,7 @@ def read(path: Path, content: bytes) -> Imported:
         shown = rows or shown
         said = clean_text("\n".join(_SPEAKER.sub("", row) for row in new))
         if not event.is_comment and event.end > event.start and tokens(said):
-            lines.append(Line(said, event.start / 1000, event.end / 1000))
+            lines.append(TextLine(said, event.start / 1000, event.end / 1000))
     return Imported(tuple(lines))
 
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import clean_text
-from faceedit_app.words.aligning import Line
+from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.dictionary import tokens
-from faceedit_app.words.imported import Imported, Interval, decoded, with_times
+from faceedit_app.words.imported import Imported, TimedText, decoded, with_times
 from faceedit_app.words.transcript import Transcript
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def read(path: Path, content: bytes) -> Imported:
     if not said and not sounds:
         raise FileError(path, "holds no words", "choose another file")
     if not sounds and any(len(tokens(text)) > 1 for text, _, _ in said):
-        return Imported(tuple(Line(text, start, end) for text, start, end in said))
+        return Imported(tuple(TextLine(text, start, end) for text, start, end in said))
     return with_times(path, said, sounds)
 
 
@@ -82,7 +82,7 @@ def _named(path: Path, tiers: Sequence[Any], names: tuple[str, ...]) -> Any | No
     return next(iter(said.values() or found.values()), None)
 
 
-def _intervals(tier: Any | None) -> list[Interval]:
+def _intervals(tier: Any | None) -> list[TimedText]:
     """The intervals of a tier that hold something."""
     return [
         (clean_text(entry.label.strip()), round(entry.start, 4), round(entry.end, 4))

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from faceedit_app.core.fields import clean_text
-from faceedit_app.words.aligning import Line
+from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.dictionary import tokens
 
 _TEXTS = ("text", "word", "transcript", "punctuated_word", "label", "value", "content")
@@ -27,20 +27,20 @@ _PAUSE = 0.4  # seconds between words that begin a new line
 _LONGEST = 10.0  # seconds of a line that is made of words
 
 
-def lines_of(document: Any) -> tuple[Line, ...]:
+def lines_of(document: Any) -> tuple[TextLine, ...]:
     """The lines of a document, by time; none if it holds no texts with times."""
     found = _in_seconds(max(_lists(document, 0), key=_weight, default=[]))
-    lines: list[Line] = []
+    lines: list[TextLine] = []
     for line in sorted(found, key=lambda line: line.start or 0.0):
         last = lines[-1] if lines else None
         if last is not None and _continues(last, line):
-            lines[-1] = Line(f"{last.text} {line.text}", last.start, line.end)
+            lines[-1] = TextLine(f"{last.text} {line.text}", last.start, line.end)
         else:
             lines.append(line)
     return tuple(lines)
 
 
-def _in_seconds(lines: list[Line]) -> list[Line]:
+def _in_seconds(lines: list[TextLine]) -> list[TextLine]:
     """Lines whose times may be in milliseconds, as AssemblyAI writes them."""
     spans = [
         (line.text, line.start, line.end)
@@ -50,15 +50,15 @@ def _in_seconds(lines: list[Line]) -> list[Line]:
     each = sorted((end - start) / len(tokens(text)) for text, start, end in spans)
     if not each or each[len(each) // 2] < _SLOWEST:
         return lines
-    return [Line(text, start / 1000.0, end / 1000.0) for text, start, end in spans]
+    return [TextLine(text, start / 1000.0, end / 1000.0) for text, start, end in spans]
 
 
-def _weight(lines: list[Line]) -> tuple[int, int]:
+def _weight(lines: list[TextLine]) -> tuple[int, int]:
     """Most words first; of two with the same, the one with longer lines."""
     return sum(len(tokens(line.text)) for line in lines), -len(lines)
 
 
-def _lists(value: Any, depth: int) -> Iterator[list[Line]]:
+def _lists(value: Any, depth: int) -> Iterator[list[TextLine]]:
     """The lists in a document whose entries are texts with times."""
     inner = list(value.values()) if isinstance(value, dict) else value
     if depth > _DEEPEST or not isinstance(inner, list):
@@ -71,7 +71,7 @@ def _lists(value: Any, depth: int) -> Iterator[list[Line]]:
         yield from _lists(entry, depth + 1)
 
 
-def _line(entry: Any) -> Line | None:
+def _line(entry: Any) -> TextLine | None:
     if not isinstance(entry, dict):
         return None
     choices = entry.get(_CHOICES)
@@ -83,7 +83,7 @@ def _line(entry: Any) -> Line | None:
         start, end = (_number(value) for value in pair)
     if start is None or end is None or not 0.0 <= start < end < 1e6 or not tokens(text):
         return None
-    return Line(clean_text(text.strip()), start, end)
+    return TextLine(clean_text(text.strip()), start, end)
 
 
 def _text(entry: Any) -> str:
@@ -107,7 +107,7 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def _continues(last: Line, line: Line) -> bool:
+def _continues(last: TextLine, line: TextLine) -> bool:
     """Whether a word belongs to the line before it."""
     assert last.start is not None
     assert last.end is not None

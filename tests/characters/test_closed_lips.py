@@ -8,7 +8,7 @@ from support.faces import shipped_rig
 
 from faceedit_app.characters import making
 from faceedit_app.characters.making import Template, make
-from faceedit_app.characters.registration import Fitted
+from faceedit_app.characters.registration import FittedTemplate
 from faceedit_app.characters.scans import Scan
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.rig import Rig
@@ -63,7 +63,7 @@ def test_open_lips_meet_from_corner_to_corner(
 ) -> None:
     index = template.rig.channel_index
     opened = template.vertices + sum(w * template.moves[index[c]] for c, w in shapes.items())
-    monkeypatch.setattr(making, "register", lambda *_: Fitted(opened, np.eye(4)))
+    monkeypatch.setattr(making, "register", lambda *_: FittedTemplate(opened, np.eye(4)))
     scan = Scan(opened, np.asarray(template.faces, np.int32), None)
     points = {name: opened[vertex] for name, vertex in template.points.items()}
     made = make(template, scan, template.landmarks(points), "Open")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.faces import shipped_rig
 
-from faceedit_app.characters.closure import Gaps, closure, together
+from faceedit_app.characters.closure import Openings, closure, together
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
 
@@ -22,7 +22,7 @@ def frames(**channels: list[float]) -> np.ndarray:
 
 
 def test_gaps_are_what_is_left_between_lips_and_lids() -> None:
-    gaps = Gaps.of(shipped_rig()).measure(frames(jawOpen=[0, 0.5], eyeBlinkLeft=[0, 1.0]))
+    gaps = Openings.of(shipped_rig()).measure(frames(jawOpen=[0, 0.5], eyeBlinkLeft=[0, 1.0]))
     assert gaps[0, 0] == pytest.approx(0, abs=0.01)
     assert gaps[1, 0] > 15
     assert gaps[0, 1] > 6
@@ -31,7 +31,7 @@ def test_gaps_are_what_is_left_between_lips_and_lids() -> None:
 
 def test_lips_that_pass_each_other_are_shut() -> None:
     pressed = frames(jawOpen=[0.3], mouthClose=[0.5])
-    assert Gaps.of(shipped_rig()).measure(pressed)[0, 0] == 0
+    assert Openings.of(shipped_rig()).measure(pressed)[0, 0] == 0
 
 
 def test_lips_that_slide_sideways_are_not_open() -> None:
@@ -40,7 +40,7 @@ def test_lips_that_slide_sideways_are_not_open() -> None:
     deltas = rig.deltas.copy()
     aside = deltas[rig.channels.index("mouthLeft")]
     aside[[upper, lower]] = [[0.0, 0.0, 0.0], [0.003, 0.0, 0.0]]
-    gaps = Gaps.of(replace(rig, deltas=deltas)).measure(frames(mouthLeft=[1.0]))
+    gaps = Openings.of(replace(rig, deltas=deltas)).measure(frames(mouthLeft=[1.0]))
     assert gaps[0, 0] == pytest.approx(0, abs=0.01)
 
 
@@ -52,12 +52,12 @@ def test_lids_that_a_full_blink_leaves_a_little_apart_are_shut() -> None:
         deltas = rig.deltas.copy()
         meeting = rig.neutral[lower] - rig.neutral[upper] + deltas[blink, lower]
         deltas[blink, upper] = meeting + np.array([0.0, short, 0.0])
-        gap = Gaps.of(replace(rig, deltas=deltas)).measure(frames(eyeBlinkLeft=[1.0]))[0, 1]
+        gap = Openings.of(replace(rig, deltas=deltas)).measure(frames(eyeBlinkLeft=[1.0]))[0, 1]
         assert gap == pytest.approx(left, abs=0.45)
 
 
 def test_a_character_compared_with_itself_closes_everywhere() -> None:
-    gaps = Gaps.of(shipped_rig()).measure(frames(jawOpen=[0, 0, 0.3], eyeBlinkLeft=[1, 0, 0]))
+    gaps = Openings.of(shipped_rig()).measure(frames(jawOpen=[0, 0, 0.3], eyeBlinkLeft=[1, 0, 0]))
     same = closure(gaps, gaps)
     assert (same.lips_frames, same.lips_open_share) == (2, 0)
     assert (same.lids_frames, same.lids_open_share) == (1, 0)
@@ -80,4 +80,4 @@ def test_what_a_character_lacks_is_said() -> None:
     rig = shipped_rig()
     pairs = rig.control_pairs.copy()
     pairs[0] = -1
-    assert Gaps.of(replace(rig, control_pairs=pairs)).has.tolist() == [False, True, True]
+    assert Openings.of(replace(rig, control_pairs=pairs)).has.tolist() == [False, True, True]

@@ -10,30 +10,30 @@ import pytest
 import trimesh
 from support.heads import EYE, small_head
 
-from faceedit_app.characters.character import Character, Part
+from faceedit_app.characters.character import Character, MeshPart
 from faceedit_app.characters.fitted import fit
 from faceedit_app.core.errors import FileError
 
 VISEMES = {"jawOpen": "viseme_aa", "mouthFunnel": "viseme_O", "mouthPucker": "viseme_U"}
 
 
-def skin() -> Part:
+def skin() -> MeshPart:
     head = small_head()
     targets = {name: head.targets[channel].astype(np.float32) for channel, name in VISEMES.items()}
-    return Part("Skin", head.vertices.astype(np.float32), head.faces.astype(np.int32), targets)
+    return MeshPart("Skin", head.vertices.astype(np.float32), head.faces.astype(np.int32), targets)
 
 
-def eyeball(x: float, half: bool = False, name: str = "Ball") -> Part:
+def eyeball(x: float, half: bool = False, name: str = "Ball") -> MeshPart:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=12.0)
     faces = ball.faces
     if half:
         faces = faces[(ball.vertices[faces][:, :, 2] > -1).all(axis=1)]
     used, faces = np.unique(faces, return_inverse=True)
     places = ball.vertices[used] + (x, 0.0, -18.0)
-    return Part(name, places.astype(np.float32), faces.reshape(-1, 3).astype(np.int32))
+    return MeshPart(name, places.astype(np.float32), faces.reshape(-1, 3).astype(np.int32))
 
 
-def character(*parts: Part) -> Character:
+def character(*parts: MeshPart) -> Character:
     return Character(Path("head.glb"), "glTF", parts)
 
 
@@ -56,7 +56,7 @@ def test_eyeballs_may_be_pieces_of_the_same_mesh() -> None:
         name: np.concatenate((moves, np.zeros((len(places) - len(moves), 3), np.float32)))
         for name, moves in parts[0].targets.items()
     }
-    fitted = fit(character(Part("All", places, faces.astype(np.int32), targets)))
+    fitted = fit(character(MeshPart("All", places, faces.astype(np.int32), targets)))
     assert fitted.frame.scale == pytest.approx(0.001, rel=0.02)
 
 

@@ -10,7 +10,7 @@ from support.character_files import FLOAT, Glb, small_glb
 from support.faces import shipped_rig
 from support.heads import small_head
 
-from faceedit_app.characters.closure import Gaps
+from faceedit_app.characters.closure import Openings
 from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.map_file import map_path, write_map
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -43,7 +43,7 @@ def test_lips_that_rest_apart_count_as_shut_there(tmp_path: Path) -> None:
     (doubt,) = fitted.checklist.doubts
     assert doubt.startswith("the inner lips rest 3.")
     still = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
-    assert Gaps.of(fitted.rig).measure(still)[0, 0] == pytest.approx(0.0, abs=1e-3)
+    assert Openings.of(fitted.rig).measure(still)[0, 0] == pytest.approx(0.0, abs=1e-3)
     assert np.array_equal(Closing(shipped_rig(), fitted.rig)(still), still)
 
 
@@ -65,7 +65,7 @@ def test_a_blink_that_is_too_weak_says_what_closes_the_eye(tmp_path: Path) -> No
     assert fitted.checklist.doubts == ()
     shut = np.zeros((1, len(ARKIT_CHANNELS)), np.float32)
     shut[0, [ARKIT_CHANNELS.index(channel) for channel in BLINKS]] = 1.0
-    assert Gaps.of(fitted.rig).measure(shut)[0, 1:].max() < 0.5
+    assert Openings.of(fitted.rig).measure(shut)[0, 1:].max() < 0.5
 
 
 def test_eyes_that_are_shut_in_the_file_are_said(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from support.faces import shipped_rig
 
-from faceedit_app.characters.closure import Gaps
+from faceedit_app.characters.closure import Openings
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.characters.leaving_out import without_parts
@@ -83,7 +83,7 @@ def test_lips_and_lids_close(made: Made) -> None:
     weights = np.zeros((2, 52), np.float32)
     weights[0, [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]] = 1.0
     weights[1, [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]] = 1.0
-    gaps = Gaps.of(made.rig).measure(weights)
+    gaps = Openings.of(made.rig).measure(weights)
     assert gaps[0, 0] < 0.3
     assert gaps[1, 1:].max() < 0.3
 

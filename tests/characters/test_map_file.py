@@ -10,7 +10,7 @@ import pytest
 from support.character_files import write_glb
 from support.heads import small_head
 
-from faceedit_app.characters.character import Place
+from faceedit_app.characters.character import PartVertex
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.map_file import CharacterMap, map_path, read_map, write_map
 from faceedit_app.characters.matches import Half, Share
@@ -30,7 +30,7 @@ def test_a_map_comes_back_as_it_was(tmp_path: Path) -> None:
             "eyeBlinkLeft": (Share("zu", half=Half.LEFT), Share("Lid")),
             "cheekPuff": (),
         },
-        {"chin": Place("Kopf", 12)},
+        {"chin": PartVertex("Kopf", 12)},
         {"jawOpen": (1.2, 0.05, 0.9)},
     )
     write_map(tmp_path / "a.map.json", mapping)

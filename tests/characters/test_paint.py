@@ -15,7 +15,7 @@ from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.characters.making import Made, Template, make
 from faceedit_app.characters.paint import Atlas, Paint
-from faceedit_app.characters.registration import Fitted
+from faceedit_app.characters.registration import FittedTemplate
 from faceedit_app.characters.scans import Scan, read_scan
 from faceedit_app.core.arrays import Doubles, Floats
 
@@ -170,7 +170,7 @@ def made(template: Template) -> Made:
     scan = Scan(v, faces, paint.of_vertices, (), paint)
     points = {name: v[vertex] for name, vertex in template.points.items()}
     with pytest.MonkeyPatch.context() as patch:  # it fits, and to find that out takes seconds
-        patch.setattr(making, "register", lambda *_: Fitted(v, np.eye(4)))
+        patch.setattr(making, "register", lambda *_: FittedTemplate(v, np.eye(4)))
         return make(template, scan, template.landmarks(points), "Striped")
 
 

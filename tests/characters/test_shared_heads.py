@@ -9,7 +9,7 @@ import pytest
 from support.faces import shipped_rig
 from support.places import ROOT, SHARED
 
-from faceedit_app.characters.closure import Gaps, closure
+from faceedit_app.characters.closure import Openings, closure
 from faceedit_app.characters.face_frame import FaceFrame
 from faceedit_app.characters.fitted import FittedCharacter, fit, open_character
 from faceedit_app.characters.registry import read_character
@@ -84,7 +84,7 @@ def test_shut_lips_and_lids_are_within_half_a_millimetre(
     one = open_take(clips / "alexdjulin__S88-001_seg0.csv").clip.arkit_weights()
     alone = closure(closing.ours.measure(one), closing.theirs.measure(closing(one)))
     assert alone.lips_within_share >= 0.95
-    heights = [-Gaps.of(fitted.rig).distances.vectors(w)[..., 1] for w in (weights, closed)]
+    heights = [-Openings.of(fitted.rig).distances.vectors(w)[..., 1] for w in (weights, closed)]
     deepest = np.array([0.05, 0.35, 0.35])  # mm that lips, and the lids of either eye, may overlap
     assert (heights[1] > np.minimum(heights[0], 0.0) - deepest).all()
 

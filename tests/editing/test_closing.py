@@ -10,7 +10,7 @@ from support.faces import shipped_rig
 from support.leaky import JAW, leaky_rig, speech
 from support.sessions import session_by_rig
 
-from faceedit_app.characters.closure import Gaps, closure
+from faceedit_app.characters.closure import Openings, closure
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
@@ -132,7 +132,7 @@ def test_a_character_without_lids_closes_its_lips(closing: Closing) -> None:
     after = half(speech())
     blink = ARKIT_INDEX["eyeBlinkLeft"]
     np.testing.assert_array_equal(after[:, blink], speech()[:, blink])
-    gaps = Gaps.of(leaky_rig()).measure(after)
+    gaps = Openings.of(leaky_rig()).measure(after)
     assert closure(closing.ours.measure(speech()), gaps).lips_open_share == 0
 
 
@@ -153,7 +153,7 @@ def test_a_session_closes_on_the_shown_character_where_edits_are() -> None:
     ours = session.weights.copy()
     session.use_character(leaky_rig())
     theirs = session.weights.copy()
-    gaps = Gaps.of(leaky_rig())
+    gaps = Openings.of(leaky_rig())
     assert gaps.measure(ours[45:49])[:, 0].max() > 1.0
     assert gaps.measure(theirs[45:49])[:, 0].max() < 0.5
     np.testing.assert_array_equal(theirs[:10], session.take.clip.arkit_weights()[:10])

@@ -21,7 +21,7 @@ from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.head import Head
 from faceedit_app.editing.edits.media import MediaFile, Placement
-from faceedit_app.editing.filming import Filmed, Shot, View, film_take, media_of
+from faceedit_app.editing.filming import Filmed, FilmView, Shot, film_take, media_of
 from faceedit_app.formats.opening import open_take
 from faceedit_app.media import film_writer
 from faceedit_app.media.film import Film
@@ -159,7 +159,8 @@ def test_both_faces_are_side_by_side(tmp_path: Path) -> None:
     edited = WEIGHTS.copy()
     edited[:, :] = 0
     assert (
-        film_take(TAKE, edited, RIG, Placement(), path, Shot(View.BOTH, size=(128, 64))) is not None
+        film_take(TAKE, edited, RIG, Placement(), path, Shot(FilmView.BOTH, size=(128, 64)))
+        is not None
     )
     for number, picture in enumerate(pictures_of(path)):
         assert picture.shape == (64, 128, 3)
@@ -183,7 +184,7 @@ def test_the_head_turns_if_it_is_followed(rate: float, tmp_path: Path) -> None:
 
     for follows in (False, True):
         path = tmp_path / f"both_{follows}.mp4"
-        shot = Shot(View.BOTH, size=(128, 64), rate=rate, follows_head=follows)
+        shot = Shot(FilmView.BOTH, size=(128, 64), rate=rate, follows_head=follows)
         assert film_take(take, WEIGHTS, RIG, Placement(), path, shot, rotations=edited) is not None
         pictures = pictures_of(path)
         left = [picture[:, :56, 1].mean() for picture in pictures]
@@ -199,13 +200,13 @@ def test_the_film_plays_beside_the_face(tmp_path: Path) -> None:
     path = tmp_path / "beside.mp4"
     size = (2 * wide[1], wide[0])
     media = Placement(film=MediaFile(source, 0.2))
-    film(path, media, view=View.FILM, size=size, rate=25.0)
+    film(path, media, view=FilmView.FILM, size=size, rate=25.0)
     found = [number_of(picture[:, : wide[1]]) for picture in pictures_of(path)]
     assert found == [0] * 5 + list(range(30)) + [0] * 15
 
 
-@pytest.mark.parametrize("view", [View.FILM_ABOVE, View.FILM_BELOW])
-def test_the_film_plays_above_or_below_the_face(view: View, tmp_path: Path) -> None:
+@pytest.mark.parametrize("view", [FilmView.FILM_ABOVE, FilmView.FILM_BELOW])
+def test_the_film_plays_above_or_below_the_face(view: FilmView, tmp_path: Path) -> None:
     source = make_film(tmp_path / "source.mp4", frames=30, rate=25)
     high, wide = Film(source).frame_at(0).shape[:2]
     path = tmp_path / "stacked.mp4"
@@ -213,7 +214,7 @@ def test_the_film_plays_above_or_below_the_face(view: View, tmp_path: Path) -> N
     film(path, media, view=view, size=(wide, 2 * high), rate=25.0)
     shown = pictures_of(path)
     assert shown[0].shape == (2 * high, wide, 3)
-    rows = slice(0, high) if view is View.FILM_ABOVE else slice(high, None)
+    rows = slice(0, high) if view is FilmView.FILM_ABOVE else slice(high, None)
     found = [number_of(picture[rows]) for picture in shown]
     assert found == [0] * 5 + list(range(30)) + [0] * 15
 
@@ -251,7 +252,7 @@ def test_giving_up_leaves_what_was_there(form: str, tmp_path: Path, greys: list[
 
 def test_what_cannot_be_filmed_is_said_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(FaceEditError, match="no film to show with the face"):
-        film(tmp_path / "a.mp4", view=View.FILM)
+        film(tmp_path / "a.mp4", view=FilmView.FILM)
     with pytest.raises(FaceEditError, match=r"must end in \.mp4 or \.webm"):
         film(tmp_path / "a.avi")
     with pytest.raises(FileError, match="cannot be written"):
@@ -262,7 +263,7 @@ def test_what_cannot_be_filmed_is_said_in_one_line(tmp_path: Path) -> None:
 
 
 def test_odd_sizes_are_made_even(tmp_path: Path) -> None:
-    film(tmp_path / "a.mp4", size=(97, 65), view=View.BOTH)
+    film(tmp_path / "a.mp4", size=(97, 65), view=FilmView.BOTH)
     assert pictures_of(tmp_path / "a.mp4")[0].shape == (64, 96, 3)
 
 

@@ -11,7 +11,7 @@ from support.faces import shipped_rig
 from support.sessions import session_by_rig
 from support.takes import make_livelink_csv
 
-from faceedit_app.characters.closure import Gaps
+from faceedit_app.characters.closure import Openings
 from faceedit_app.core.controls import CONTROL_IDS, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import Placement
@@ -158,7 +158,7 @@ def test_filled_rows_close_on_the_users_character(path: Path) -> None:
     weak = rig.deltas.copy()
     for channel in ("eyeBlinkLeft", "eyeBlinkRight"):
         weak[rig.channel_index[channel]] *= 0.8
-    theirs = Gaps.of(replace(rig, deltas=weak))
+    theirs = Openings.of(replace(rig, deltas=weak))
     blinks = Edit(LIDS, Op.OFFSET, 1.8, 2.7, 0.1, -20.0)
     session.put((FILL, blinks))
     found = session.filled_rows()

@@ -12,7 +12,7 @@ from support.leaky import leaky_rig, speech
 from support.places import SHARED
 from support.sessions import demo_take, session_by_rig
 
-from faceedit_app.characters.closure import SHUT, Gaps
+from faceedit_app.characters.closure import SHUT, Openings
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS
@@ -255,6 +255,6 @@ def test_beside_lips_that_closing_shuts_there_is_no_problem_that_it_has_made() -
     session.use_character(leaky_rig())
     assert Kind.CHARACTER not in {problem.kind for problem in find_problems(session)}
     session.add(close_between(0.0, 3.0))
-    assert Gaps.of(session.rig).measure(session.weights)[45, 0] < SHUT[0]
-    assert Gaps.of(session.shown_rig).measure(session.weights)[45, 0] > SHUT[0]
+    assert Openings.of(session.rig).measure(session.weights)[45, 0] < SHUT[0]
+    assert Openings.of(session.shown_rig).measure(session.weights)[45, 0] > SHUT[0]
     assert Kind.CHARACTER not in {problem.kind for problem in find_problems(session)}

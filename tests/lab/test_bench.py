@@ -20,7 +20,7 @@ from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench import kernels, references
-from faceedit_app.lab.bench.clocks import Stages, Times, repeat
+from faceedit_app.lab.bench.clocks import Stages, Timings, repeat
 from faceedit_app.lab.bench.desk import long_take
 from faceedit_app.lab.bench.report import in_limit, machine, text
 from faceedit_app.lab.bench.table import table
@@ -191,7 +191,7 @@ def test_stages_count_what_they_call_in_others_there_alone() -> None:
 
 
 def test_times_are_summed_up() -> None:
-    times = Times([1.0, 2.0, 3.0, 4.0, 100.0])
+    times = Timings([1.0, 2.0, 3.0, 4.0, 100.0])
     assert (times.median, times.best) == (3.0, 1.0)
     assert 4.0 < times.p95 <= 100.0
 

@@ -24,7 +24,13 @@ from faceedit_app.lab.training import (
     synthesis,
 )
 from faceedit_app.lab.training.eyes import Blink, Gaze
-from faceedit_app.lab.training.phonemes import PAUSE, PHONEMES, Phoneme, parse, with_durations
+from faceedit_app.lab.training.phonemes import (
+    PAUSE,
+    PHONEMES,
+    StressedPhoneme,
+    parse,
+    with_durations,
+)
 from faceedit_app.lab.training.sentences import SENTENCES
 from faceedit_app.lab.training.speech import Speaker, draw_speaker, synthesize
 from faceedit_app.lab.training.visemes import ARTICULATOR_INDEX, VISEMES, articulate
@@ -69,7 +75,13 @@ def test_durations_follow_stress_phrase_and_tempo() -> None:
 @pytest.mark.parametrize("consonant", ["p", "b", "m"])
 @pytest.mark.parametrize("vowel", ["i", "a", "u", "oU"])
 def test_bilabials_seal_the_lips_between_any_vowels(consonant: str, vowel: str) -> None:
-    said = with_durations((Phoneme(vowel, stress=2), Phoneme(consonant), Phoneme(vowel, stress=2)))
+    said = with_durations(
+        (
+            StressedPhoneme(vowel, stress=2),
+            StressedPhoneme(consonant),
+            StressedPhoneme(vowel, stress=2),
+        )
+    )
     closure = articulate(said, RATE)[:, ARTICULATOR_INDEX["closure"]]
     middle = round((said[0].seconds + said[1].seconds / 2) * RATE)
     assert closure[middle] > 0.97
@@ -79,7 +91,10 @@ def test_bilabials_seal_the_lips_between_any_vowels(consonant: str, vowel: str) 
 def test_consonants_take_the_rounding_of_their_neighbours() -> None:
     pucker = ARTICULATOR_INDEX["mouthPucker"]
     spread, rounded = (
-        articulate([Phoneme(v, 0.1, 2), Phoneme("t", 0.07), Phoneme(v, 0.1, 2)], RATE)
+        articulate(
+            [StressedPhoneme(v, 0.1, 2), StressedPhoneme("t", 0.07), StressedPhoneme(v, 0.1, 2)],
+            RATE,
+        )
         for v in ("i", "u")
     )
     assert rounded[8, pucker] > spread[8, pucker] + 0.1
@@ -87,7 +102,7 @@ def test_consonants_take_the_rounding_of_their_neighbours() -> None:
 
 def test_every_phoneme_can_be_said_alone() -> None:
     for symbol in PHONEMES:
-        curve = articulate([Phoneme(symbol, 0.2)], RATE)
+        curve = articulate([StressedPhoneme(symbol, 0.2)], RATE)
         assert curve.shape == (12, len(ARTICULATOR_INDEX))
         assert np.isfinite(curve).all()
         assert curve.min() >= 0

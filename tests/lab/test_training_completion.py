@@ -18,14 +18,14 @@ from faceedit_app.lab.training.completion import (
 )
 from faceedit_app.lab.training.damage import Curves, Requests, requests
 from faceedit_app.lab.training.fit import Epoch
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 from faceedit_app.networks.completion import read_completion
 
 TAKES = [performance(25.0, seed=s) for s in range(3)]
 WINDOW = 64
 
 
-def small(**changes: object) -> FitSettings:
+def small(**changes: object) -> TrainingSettings:
     return replace(tiny(epochs_completion=3, completion_widths=(4, 6)), **changes)  # type: ignore[arg-type]
 
 
@@ -34,7 +34,7 @@ def examples(seed: int = 0) -> Requests:
     return requests(TAKES, curves, DISTANCES, WINDOW, np.random.default_rng(seed))
 
 
-def fitted(settings: FitSettings, **more: object) -> TrainedCompletion:
+def fitted(settings: TrainingSettings, **more: object) -> TrainedCompletion:
     trained = fit_completion(LOWER, TAKES, RIG, settings, **more)  # type: ignore[arg-type]
     assert trained is not None
     return trained

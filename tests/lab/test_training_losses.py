@@ -12,16 +12,16 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.lab.training.data import cut_windows, region_windows
 from faceedit_app.lab.training.examples import Examples
-from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper
+from faceedit_app.lab.training.losses import Losses, WindowBatch, salt_and_pepper
 
 LOWER = REGIONS[0]
 
 
 @pytest.fixture(scope="module")
-def batch() -> Batch:
+def batch() -> WindowBatch:
     windows, captured = cut_windows([performance(6.0)], 16, 0.0)
     captured[1, [ARKIT_INDEX[c] for c in LOWER.channels[:7]]] = False
-    return Batch.of(region_windows(LOWER, windows, captured, DISTANCES), np.arange(3))
+    return WindowBatch.of(region_windows(LOWER, windows, captured, DISTANCES), np.arange(3))
 
 
 @pytest.fixture(scope="module")
@@ -30,12 +30,12 @@ def losses() -> Losses:
     return Losses(examples.own_distances, tiny())
 
 
-def wrong(batch: Batch) -> torch.Tensor:
+def wrong(batch: WindowBatch) -> torch.Tensor:
     torch.manual_seed(0)
     return batch.weights + 0.1 * torch.randn_like(batch.weights)
 
 
-def slow_terms(answer: np.ndarray, batch: Batch) -> tuple[float, float, float]:
+def slow_terms(answer: np.ndarray, batch: WindowBatch) -> tuple[float, float, float]:
     """MSE, velocity and distance terms, entry by entry."""
     settings = tiny()
     truth, seen = batch.weights.numpy(), batch.captured.numpy()
@@ -63,7 +63,7 @@ def slow_terms(answer: np.ndarray, batch: Batch) -> tuple[float, float, float]:
     return float(np.mean(squares)), float(np.mean(changes)), float(np.mean(distances))
 
 
-def test_terms_are_those_of_the_slow_reference(batch: Batch, losses: Losses) -> None:
+def test_terms_are_those_of_the_slow_reference(batch: WindowBatch, losses: Losses) -> None:
     answer = wrong(batch)
     mse, velocity, distance = slow_terms(answer.numpy().astype(np.float64), batch)
     assert float(losses.mse(answer, batch)) == pytest.approx(mse, rel=1e-4)
@@ -72,7 +72,7 @@ def test_terms_are_those_of_the_slow_reference(batch: Batch, losses: Losses) -> 
 
 
 def test_gradient_of_the_whole_loss_is_that_of_the_slow_reference(
-    batch: Batch, losses: Losses
+    batch: WindowBatch, losses: Losses
 ) -> None:
     answer = wrong(batch).requires_grad_()
     losses.system(answer, batch).backward()
@@ -92,12 +92,14 @@ def test_gradient_of_the_whole_loss_is_that_of_the_slow_reference(
         assert float(answer.grad[place]) == pytest.approx(slope, rel=2e-2, abs=2e-6)
 
 
-def test_true_weights_cost_nothing(batch: Batch, losses: Losses) -> None:
+def test_true_weights_cost_nothing(batch: WindowBatch, losses: Losses) -> None:
     assert float(losses.mse(batch.weights, batch)) == 0.0
     assert float(losses.system(batch.weights, batch)) < 1e-6
 
 
-def test_channels_that_were_not_captured_are_not_learned_from(batch: Batch, losses: Losses) -> None:
+def test_channels_that_were_not_captured_are_not_learned_from(
+    batch: WindowBatch, losses: Losses
+) -> None:
     answer = batch.weights.clone()
     answer[1, :7] += 0.5
     assert float(losses.mse(answer, batch)) == 0.0
@@ -122,6 +124,6 @@ def test_lids_that_pass_each_other_count_as_shut() -> None:
     shut = [ARKIT_INDEX[c] for c in ("eyeBlinkLeft", "eyeBlinkRight")]
     weights[:, :, shut] = np.linspace(0, 3, 16)[:, None]
     captured = np.ones((1, 52), bool)
-    batch = Batch.of(region_windows(REGIONS[2], weights, captured, DISTANCES), np.arange(1))
+    batch = WindowBatch.of(region_windows(REGIONS[2], weights, captured, DISTANCES), np.arange(1))
     assert batch.controls.min() == 0  # passed
     assert losses.control_error(batch.weights, batch).abs().max() < 1e-2

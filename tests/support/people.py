@@ -13,7 +13,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.formats.take import Take
 from faceedit_app.lab.evaluation.people.opened import Opened
 from faceedit_app.lab.evaluation.people.references import References
-from faceedit_app.lab.evaluation.people.sources import Source, Tracker
+from faceedit_app.lab.evaluation.people.sources import TakeSource, Tracker
 from faceedit_app.lab.evaluation.systems import Systems
 from support.performances import RIG, performance
 from support.sessions import take_of
@@ -25,9 +25,9 @@ def take_with(weights: Floats, name: str = "take.csv", rate: float = 25.0) -> Ta
     return replace(take_of(clip), path=Path(name))
 
 
-def source_with(*takes: Take, name: str = "someone") -> Source:
+def source_with(*takes: Take, name: str = "someone") -> TakeSource:
     people = [replace(performance(1.0), weights=take.clip.arkit_weights()) for take in takes]
-    return Source(name, Tracker.IPHONE, takes, tuple(people))
+    return TakeSource(name, Tracker.IPHONE, takes, tuple(people))
 
 
 def opened_on(weights: Floats, systems: Systems, learned: References) -> Opened:

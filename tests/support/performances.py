@@ -9,7 +9,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.lab.training.data import Performance
-from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.lab.training.settings import RECIPES, TrainingSettings
 from support.faces import shipped_rig
 from support.takes import livelink_names, make_livelink_csv
 
@@ -30,14 +30,14 @@ def performance(seconds: float = 20.0, seed: int = 0, source: str = "someone") -
     return Performance(f"{source}_{seed}.csv", source, weights.astype(np.float32), captured)
 
 
-def tiny(recipe: str = "faceedit", **changes: object) -> FitSettings:
+def tiny(recipe: str = "faceedit", **changes: object) -> TrainingSettings:
     """A recipe that trains in a blink."""
     small = {"widths": (4, 6), "narrow_widths": None, "batch": 16}
     small |= {"epochs_regressor": 3, "epochs_autoencoder": 2}
     return replace(RECIPES[recipe], **(small | changes))  # type: ignore[arg-type]
 
 
-def smallest(recipe: str = "faceedit", **changes: object) -> FitSettings:
+def smallest(recipe: str = "faceedit", **changes: object) -> TrainingSettings:
     """A recipe for what is exported: the fewer layers, the sooner, and all share the graphs."""
     return tiny(recipe, widths=(4,), completion_widths=(4,), **changes)
 

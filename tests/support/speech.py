@@ -12,7 +12,7 @@ import pytest
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip
 from faceedit_app.media.sound import read_sound
-from faceedit_app.words.aligning import Line, align
+from faceedit_app.words.aligning import TextLine, align
 from faceedit_app.words.transcript import Phoneme, Transcript, Word
 
 SENTENCE = "my mother made a bowl of apple soup"
@@ -57,7 +57,7 @@ def mumbling_take(folder: Path, text: str = SENTENCE) -> tuple[Path, Transcript]
     """A take with its sound beside it, in which the lips stay open; and the words as they are."""
     sound = read_sound(speak(folder / "mumble.wav", text))
     assert sound is not None
-    words = align(sound.samples, sound.rate, [Line(text)]).shifted(sound.start)
+    words = align(sound.samples, sound.rate, [TextLine(text)]).shifted(sound.start)
     clip = mumbling_clip(words, sound.end)
     lines = [",".join(["time_s", *ARKIT_CHANNELS])]
     for seconds, row in zip(clip.times, clip.weights, strict=True):

@@ -13,7 +13,7 @@ from support.tracker import needs_tracker
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.media.film import Film
-from faceedit_app.tracking.side_by_side import HEIGHT, Shown, write_side_by_side
+from faceedit_app.tracking.side_by_side import HEIGHT, SideBySide, write_side_by_side
 from faceedit_app.tracking.tracker import track_film
 
 
@@ -24,7 +24,9 @@ def test_a_report_shows_film_tracked_and_edited_face(tmp_path: Path) -> None:
     tracked = track_film(film, rig)
     edited = tracked.clip.weights.copy()
     edited[:, ARKIT_INDEX["jawOpen"]] = 0.8
-    picture, mp4 = write_side_by_side(tmp_path / "both.mp4", Shown.of_tracked(tracked, edited), rig)
+    picture, mp4 = write_side_by_side(
+        tmp_path / "both.mp4", SideBySide.of_tracked(tracked, edited), rig
+    )
     shown = np.asarray(Image.open(picture))
     assert shown.shape == (4 * HEIGHT, 3 * HEIGHT, 3)
     plain, changed = (shown[:, k * HEIGHT : (k + 1) * HEIGHT].astype(int) for k in (1, 2))

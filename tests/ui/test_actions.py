@@ -221,7 +221,7 @@ def test_the_time_is_shown_in_the_unit_that_was_clicked(window: MainWindow) -> N
     pictures = {bytes(ruler.grab().toImage().constBits())}
     for unit, label in (("frames", transport.frame), ("timecode", transport.clock)):
         QTest.mouseClick(label, Qt.MouseButton.LeftButton)
-        assert window.timeline.clock.unit == unit
+        assert window.timeline.display.unit == unit
         assert window.actions_[f"unit_{unit}"].isChecked()
         assert label.objectName() == "clock"
         pictures.add(bytes(ruler.grab().toImage().constBits()))

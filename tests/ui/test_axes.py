@@ -15,7 +15,7 @@ from support.rigs import tiny_session
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.axes import FrameAxis, TimeAxis, ValueAxis
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.time_display import Unit
 
 Drawn = list[tuple[QRectF, str]]
 
@@ -61,7 +61,7 @@ def test_the_playhead_at_the_start_leaves_the_first_time_readable(panel: CurvesP
 @pytest.mark.parametrize("unit", list(Unit))
 def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
     line, axis = panel.timeline, panel.ruler.times
-    line.clock.choose(unit)
+    line.display.choose(unit)
     lengths, starts = (0.2, 0.7, 3.0, 11.0, 90.0, 720.0), (0.0, 0.31, 200.0)
     for width, seconds, start in product((600, 1003, 1600), lengths, starts):
         panel.resize(width, 600)
@@ -76,7 +76,7 @@ def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
 
 
 def test_frames_are_counted_in_round_numbers(panel: CurvesPanel) -> None:
-    panel.timeline.clock.choose(Unit.FRAMES)
+    panel.timeline.display.choose(Unit.FRAMES)
     for last in (4.0, 60.0, 720.0):
         panel.timeline.show_range(0.0, last)
         numbers = [int(text) for _, text in drawn(panel.ruler.times)]
@@ -94,7 +94,7 @@ def test_frames_are_numbered_where_they_have_room(panel: CurvesPanel) -> None:
     assert numbers[0] >= 51
     assert numbers[-1] <= 77
     assert len(numbers) >= 8
-    panel.timeline.clock.choose(Unit.FRAMES)  # then they are what the ruler counts anyway
+    panel.timeline.display.choose(Unit.FRAMES)  # then they are what the ruler counts anyway
     assert not panel.ruler.frames.isVisible()
 
 

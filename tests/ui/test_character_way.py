@@ -12,7 +12,7 @@ import pytest
 from support.character_files import parts_of, write_glb, write_vrm
 from support.windows import Bench, session_of, trigger
 
-from faceedit_app.characters.closure import SHUT, Gaps
+from faceedit_app.characters.closure import SHUT, Openings
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.core.arkit import ARKIT_CHANNELS
@@ -43,9 +43,9 @@ def test_my_head_a_take_fixed_lips_and_my_head_with_animation(
     trigger(window, "open_character")
     bench.qtbot.waitUntil(lambda: window.document.character is not None)
     session = session_of(window)
-    theirs = Gaps.of(session.shown_rig)
+    theirs = Openings.of(session.shown_rig)
     tracked = session.take.clip.arkit_weights()
-    was_open = (Gaps.of(session.rig).measure(tracked) < SHUT) & (theirs.measure(tracked) > SHUT)
+    was_open = (Openings.of(session.rig).measure(tracked) < SHUT) & (theirs.measure(tracked) > SHUT)
     assert was_open.any()
 
     trigger(window, "close_range")
@@ -70,7 +70,7 @@ def test_my_head_a_take_fixed_lips_and_my_head_with_animation(
     np.testing.assert_allclose(played, shown, atol=1e-6)
     back = open_character(out)
     assert set(back.checklist.matched) == set(open_character(head).checklist.matched)
-    plain = Gaps.of(replace(back.rig, levels=Levels()))  # the file holds what its shapes show
+    plain = Openings.of(replace(back.rig, levels=Levels()))  # the file holds what its shapes show
     assert (was_open & (plain.measure(found) > SHUT)).sum() == still_open.sum()
     document, _ = parts_of(out.read_bytes())
     paths = {c["target"]["path"] for c in document["animations"][0]["channels"]}

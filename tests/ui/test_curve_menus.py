@@ -17,7 +17,7 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.page import curve_menus
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.time_display import Unit
 
 
 @pytest.fixture
@@ -222,7 +222,7 @@ def test_ruler_and_range_bar(
     choose(right_click(panel, strip, QPoint(30, 8)), "deselect")
     assert line.selection is None
     choose(right_click(panel, strip, QPoint(30, 8)), "unit_frames")
-    assert line.clock.unit is Unit.FRAMES
+    assert line.display.unit is Unit.FRAMES
 
 
 def test_view_all_shows_the_whole_take_and_its_values(

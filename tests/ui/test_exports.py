@@ -18,7 +18,7 @@ from support.windows import Bench, add_edit, trigger
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.editing import exporting, filming, splicing
 from faceedit_app.editing.exporting import Options, choose, out_formats
-from faceedit_app.editing.filming import Shot, View
+from faceedit_app.editing.filming import FilmView, Shot
 from faceedit_app.formats.opening import open_take
 from faceedit_app.media.container import Abandoned
 from faceedit_app.media.film import Film
@@ -165,13 +165,16 @@ def test_the_film_dialog_offers_what_the_take_has(qtbot: QtBot) -> None:
     plain, full = FilmDialog(None, 60.0, False, False), FilmDialog(None, 60.0, True, True)
     qtbot.addWidget(plain)
     qtbot.addWidget(full)
-    assert [plain.view.itemData(i) for i in range(plain.view.count())] == [View.FACE, View.BOTH]
-    assert full.view.itemData(2) == View.FILM
+    assert [plain.view.itemData(i) for i in range(plain.view.count())] == [
+        FilmView.FACE,
+        FilmView.BOTH,
+    ]
+    assert full.view.itemData(2) == FilmView.FILM
     assert not plain.shot.has_sound
     assert full.shot.has_sound
     full.view.setCurrentIndex(1)
     full.picture_size.setCurrentText("960 × 480")
-    assert full.shot == Shot(View.BOTH, (960, 480), form="mp4")
+    assert full.shot == Shot(FilmView.BOTH, (960, 480), form="mp4")
 
 
 def test_the_take_is_filmed_as_it_is_on_screen(bench: Bench) -> None:

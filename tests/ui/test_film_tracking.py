@@ -240,9 +240,9 @@ def test_the_name_of_a_take_that_exists_is_not_suggested(tmp_path: Path) -> None
 def test_film_and_face_are_exported_side_by_side(
     bench: Bench, own: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made: list[side_by_side.Shown] = []
+    made: list[side_by_side.SideBySide] = []
 
-    def noted(output: Path, shown: side_by_side.Shown, *_rest: object) -> tuple[Path, Path]:
+    def noted(output: Path, shown: side_by_side.SideBySide, *_rest: object) -> tuple[Path, Path]:
         made.append(shown)
         return output.with_suffix(".png"), output
 

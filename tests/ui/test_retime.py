@@ -365,11 +365,11 @@ def test_another_sound_is_heard_with_the_take_from_then_on(
 ) -> None:
     session = session_of(window)
     from faceedit_app.media.sound import read_sound
-    from faceedit_app.words.aligning import Line, align
+    from faceedit_app.words.aligning import TextLine, align
 
     sound = read_sound(speak(tmp_path / "first.wav"))
     assert sound is not None
-    session.say(align(sound.samples, sound.rate, [Line(SENTENCE)]).shifted(1.0))
+    session.say(align(sound.samples, sound.rate, [TextLine(SENTENCE)]).shifted(1.0))
     dub = speak(tmp_path / "dub.wav", SENTENCE, pace=120)
     monkeypatch.setattr(dialogs, "ask_match", lambda *_: dub)
     trigger(window, "match_sound")

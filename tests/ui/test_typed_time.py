@@ -16,7 +16,7 @@ from support.windows import Bench
 from faceedit_app.core.clip import Clip
 from faceedit_app.ui.page.time_entry import TimeEntry
 from faceedit_app.ui.start.window import MainWindow
-from faceedit_app.ui.state.clock import Unit, label, times
+from faceedit_app.ui.state.time_display import Unit, label, times
 from faceedit_app.ui.state.typed_time import typed_frame, typed_range
 
 COUNT = 4000  # frames at 60 a second: more than a minute

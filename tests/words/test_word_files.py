@@ -8,7 +8,7 @@ import pytest
 from support.speech import said
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.words.aligning import Line
+from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.files import READ_ENDINGS, read_words, write_words
 from faceedit_app.words.imported import spread
 
@@ -75,8 +75,8 @@ def test_subtitles_break_at_pauses(tmp_path: Path) -> None:
     words = said(("Blue", "B L UW")).joined(said(("map", "M AE P"), start=2.0))
     write_words(tmp_path / "words.srt", words, 3.0)
     assert read_words(tmp_path / "words.srt").lines == (
-        Line("Blue", 0.4, 0.76),
-        Line("map", 2.0, 2.36),
+        TextLine("Blue", 0.4, 0.76),
+        TextLine("map", 2.0, 2.36),
     )
 
 
@@ -103,12 +103,12 @@ def test_a_textgrid_of_words_alone_has_the_phonemes_of_the_dictionary(tmp_path: 
 def test_webvtt_and_old_subtitles_are_read(tmp_path: Path) -> None:
     vtt = tmp_path / "a.vtt"
     vtt.write_text("WEBVTT\n\n00:00:01.000 --> 00:00:02.000\n<v Bob>Hi, <i>there</i>!\n")
-    assert read_words(vtt).lines == (Line("Hi, there!", 1.0, 2.0),)
+    assert read_words(vtt).lines == (TextLine("Hi, there!", 1.0, 2.0),)
     vtt.write_text(vtt.read_text().removeprefix("WEBVTT\n\n").replace("00:00:0", "00:0"))
-    assert read_words(vtt).lines == (Line("Hi, there!", 1.0, 2.0),)
+    assert read_words(vtt).lines == (TextLine("Hi, there!", 1.0, 2.0),)
     srt = tmp_path / "a.srt"
     srt.write_bytes("1\n00:00:01,000 --> 00:00:02,500\nÉtude\n".encode("cp1252"))
-    assert read_words(srt).lines == (Line("Étude", 1.0, 2.5),)
+    assert read_words(srt).lines == (TextLine("Étude", 1.0, 2.5),)
 
 
 def test_names_of_speakers_in_subtitles_are_left_out(tmp_path: Path) -> None:
@@ -116,11 +116,11 @@ def test_names_of_speakers_in_subtitles_are_left_out(tmp_path: Path) -> None:
     path.write_text(
         "1\n00:00:01,000 --> 00:00:02,000\nMRS. O'NEIL: Hi!\n- BOB 2: NASA: ok\nWARNING: FIRE\n"
     )
-    assert read_words(path).lines == (Line("Hi!\nNASA: ok\nWARNING: FIRE", 1.0, 2.0),)
+    assert read_words(path).lines == (TextLine("Hi!\nNASA: ok\nWARNING: FIRE", 1.0, 2.0),)
 
 
 def test_words_are_spread_over_their_lines() -> None:
-    words = spread((Line("hi there", 1.0, 2.0), Line("bob", 2.5, 3.1)), 9.0).words
+    words = spread((TextLine("hi there", 1.0, 2.0), TextLine("bob", 2.5, 3.1)), 9.0).words
     assert [(word.start, word.end) for word in words] == [(1.0, 1.4), (1.4, 2.0), (2.5, 3.1)]
     assert [p.symbol for p in words[2].phonemes] == ["B", "AA", "B"]
 
@@ -157,7 +157,7 @@ def test_a_wrong_ending_and_a_missing_file_are_refused(tmp_path: Path) -> None:
 
 
 SRT = "2\n00:00:03,000 --> 00:00:04,000\na bowl\n\n1\n00:00:01,000 --> 00:00:03,500\nMy mother\n"
-LINES = (Line("My mother", 1.0, 3.5), Line("a bowl", 3.0, 4.0))
+LINES = (TextLine("My mother", 1.0, 3.5), TextLine("a bowl", 3.0, 4.0))
 
 
 @pytest.mark.parametrize("ending", [".srt", ".vtt", ".txt"])
@@ -179,7 +179,7 @@ def test_letters_that_would_be_wrong_are_refused(tmp_path: Path, text: str, enco
     with pytest.raises(FileError, match="unknown encoding; save it again as UTF-8"):
         read_words(path)
     path.write_text(subtitles, encoding="utf-8")
-    assert read_words(path).lines == (Line(text, 1.0, 2.5),)
+    assert read_words(path).lines == (TextLine(text, 1.0, 2.5),)
 
 
 def test_captions_that_roll_up_are_said_once(tmp_path: Path) -> None:
@@ -192,8 +192,8 @@ def test_captions_that_roll_up_are_said_once(tmp_path: Path) -> None:
         "NOTE nothing\n\n00:00:04.000 --> 00:00:05.000\n♪ ♪\n"
     )
     assert read_words(path).lines == (
-        Line("my mother", 0.5, 2.0),
-        Line("made salt & soup", 2.01, 4.0),
+        TextLine("my mother", 0.5, 2.0),
+        TextLine("made salt & soup", 2.01, 4.0),
     )
 
 
@@ -220,7 +220,7 @@ def test_captions_that_roll_up_are_said_once(tmp_path: Path) -> None:
 def test_json_of_speech_recognisers_gives_lines(tmp_path: Path, content: str) -> None:
     path = tmp_path / "said.json"
     path.write_text(content)
-    assert read_words(path).lines == (Line("hi there", 1.0, 2.0),)
+    assert read_words(path).lines == (TextLine("hi there", 1.0, 2.0),)
 
 
 def test_json_without_texts_with_times_is_refused(tmp_path: Path) -> None:
@@ -265,7 +265,7 @@ def test_intervals_of_several_words_are_lines(tmp_path: Path) -> None:
     path.write_text(grid(("words", [(0.0, 1.0, "be my map"), MAP])))
     found = read_words(path)
     assert found.transcript is None
-    assert found.lines == (Line("be my map", 0.0, 1.0), Line("map", 1.0, 2.0))
+    assert found.lines == (TextLine("be my map", 0.0, 1.0), TextLine("map", 1.0, 2.0))
 
 
 @pytest.mark.parametrize(

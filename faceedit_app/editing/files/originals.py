@@ -14,7 +14,7 @@ from faceedit_app.editing.files.project import read_project
 _OTHER_NAME = "choose another name"
 
 
-class Kept(FileError):
+class KeptRecording(FileError):
     """A recording that would be replaced.
 
     Args:
@@ -73,14 +73,14 @@ def make_way(path: Path, take: Path, overwrite: bool, can_allow: bool = True) ->
         The copy, if one was made.
 
     Raises:
-        Kept: it is a recording and `overwrite` is False.
+        KeptRecording: it is a recording and `overwrite` is False.
         FileError: the copy cannot be written.
     """
     reason = why_keep(path, take)
     if not reason:
         return None
     if not overwrite:
-        raise Kept(path, reason, can_allow)
+        raise KeptRecording(path, reason, can_allow)
     return keep_backup(path)
 
 

@@ -49,7 +49,7 @@ class Matchable:
 
 
 @dataclass(frozen=True)
-class Match:
+class DubMatch:
     """What was matched.
 
     Attributes:
@@ -86,7 +86,9 @@ class Match:
         return text
 
 
-def match(clip: Clip, ours: Transcript, theirs: Transcript, offset: float | None = None) -> Match:
+def match(
+    clip: Clip, ours: Transcript, theirs: Transcript, offset: float | None = None
+) -> DubMatch:
     """A retime that brings the take's words to those of another sound.
 
     Args:
@@ -124,7 +126,7 @@ def match(clip: Clip, ours: Transcript, theirs: Transcript, offset: float | None
     pins = _limited(wanted, start, end)
     edit = by_pins(clip, pins, start, end)
     found = {i for i, _ in good}
-    return Match(
+    return DubMatch(
         replace(edit, name="Match another sound"),
         theirs.shifted(offset),
         offset,
@@ -137,7 +139,7 @@ def match(clip: Clip, ours: Transcript, theirs: Transcript, offset: float | None
 
 def keep(
     session: EditSession,
-    found: Match,
+    found: DubMatch,
     media: Placement | None = None,
     sound: MediaFile | None = None,
 ) -> None:

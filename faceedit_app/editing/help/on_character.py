@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Gaps
+from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Openings
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Rig
@@ -24,7 +24,7 @@ _FALLOFF = 0.1  # seconds
 
 
 @dataclass(frozen=True)
-class Gap:
+class LostClosure:
     """A time during which lips or lids are open on the user's character only.
 
     Attributes:
@@ -60,7 +60,7 @@ def close_between(
 
 def gaps_on_character(
     clip: Clip, weights: Floats, ours: Rig, theirs: Rig, nearer: Doubles | float = 0.0
-) -> Iterator[Gap]:
+) -> Iterator[LostClosure]:
     """The gaps of a clip on the user's character.
 
     Args:
@@ -70,8 +70,8 @@ def gaps_on_character(
         nearer: (T, 3) mm by which ours is nearer than was asked for. Beside lips that are closed on
             theirs, closing fades: ours is drawn along there, but nobody asked for it to be shut.
     """
-    widths = Gaps.of(theirs).measure(weights)
-    are_open = (Gaps.of(ours).measure(weights) + nearer < SHUT) & (widths > SHUT)
+    widths = Openings.of(theirs).measure(weights)
+    are_open = (Openings.of(ours).measure(weights) + nearer < SHUT) & (widths > SHUT)
     for columns, shortest in ((ARE_LIPS, _SHORTEST), (~ARE_LIPS, 0.0)):
         mine = are_open & columns
         frames = np.flatnonzero(mine.any(axis=1))
@@ -86,4 +86,4 @@ def gaps_on_character(
             here = np.where(mine[first : last + 1], widths[first : last + 1], 0.0)
             controls = tuple(CLOSING[i] for i in np.flatnonzero(here.any(axis=0)))
             worst = first + int(here.max(axis=1).argmax())
-            yield Gap(start, end, float(clip.times[worst]), controls, float(here.max()))
+            yield LostClosure(start, end, float(clip.times[worst]), controls, float(here.max()))

@@ -23,7 +23,7 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
-from faceedit_app.editing.help.on_character import Gap, gaps_on_character
+from faceedit_app.editing.help.on_character import LostClosure, gaps_on_character
 from faceedit_app.editing.help.shaking import find_shaking
 from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
 from faceedit_app.editing.session import EditSession
@@ -208,7 +208,7 @@ def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
     ]
 
 
-def _on_character(gap: Gap) -> Problem:
+def _on_character(gap: LostClosure) -> Problem:
     what = "lips" if gap.are_lips else "lids"
     return Problem(
         Kind.CHARACTER,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faceedit_app.characters.closure import ARE_LIPS, CLOSE_ENOUGH, Gaps
+from faceedit_app.characters.closure import ARE_LIPS, CLOSE_ENOUGH, Openings
 from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.core.rig import Rig
@@ -73,13 +73,13 @@ class LipGap:
         touching: the mouth opening of lips that touch, mm.
     """
 
-    gaps: Gaps
+    gaps: Openings
     touching: float
 
     @classmethod
     def of(cls, rig: Rig) -> LipGap:
         """Make it for a character."""
-        gaps = Gaps.of(rig)
+        gaps = Openings.of(rig)
         return cls(gaps, float(gaps.touching[_LIPS]))
 
     def measure(self, weights: Floats) -> Doubles:

@@ -19,7 +19,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.levels import softly_limited
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, Rows
+from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, FrameRange
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.neutral import keep_lips_together, without_rest
 from faceedit_app.editing.solving.request import active, smoothing, smoothing_frames
@@ -42,12 +42,12 @@ class ChannelTask:
     """
 
     chunk: int
-    near: Rows
+    near: FrameRange
     bases: tuple[tuple[int, ChunkTask | None], ...]
     edits: tuple[Edit, ...]
 
 
-Task = ChunkTask | ChannelTask
+AnyTask = ChunkTask | ChannelTask
 
 
 class Answered(Protocol):
@@ -104,7 +104,7 @@ class ChannelEdits:
 
     def tasks(
         self, curves: Mapping[int, ChunkTask], edits: Sequence[Edit], chunks: Chunks
-    ) -> dict[int, Task]:
+    ) -> dict[int, AnyTask]:
         """The tasks by chunk.
 
         Args:
@@ -112,7 +112,7 @@ class ChannelEdits:
             edits: the edits of channels, see `possible`.
             chunks: the chunks of the take.
         """
-        tasks: dict[int, Task] = dict(curves)
+        tasks: dict[int, AnyTask] = dict(curves)
         if not edits:
             return tasks
         spans = [self._frames(edit) for edit in edits]
@@ -136,7 +136,7 @@ class ChannelEdits:
             tasks[chunk] = ChannelTask(chunk, near, bases, tuple(reversed(seen)))
         return tasks
 
-    def _frames(self, edit: Edit) -> Rows:
+    def _frames(self, edit: Edit) -> FrameRange:
         first, last = edit.span
         start, stop = np.searchsorted(self._times, (first - SLACK, last + SLACK))
         return int(start), int(stop)

@@ -33,7 +33,7 @@ REMEMBERED = 256
 # Ways from frames to the grid and back that are kept: two for each chunk of a drag.
 REMEMBERED_WAYS = 8
 
-Rows = tuple[int, int]  # the first frame, and the one after the last
+FrameRange = tuple[int, int]  # the first frame, and the one after the last
 # The frames (first and stop, n each) that a fill or retime makes ranges of frames from.
 Reads = Callable[[Edit, Indices, Indices], tuple[Indices, Indices]]
 
@@ -51,18 +51,18 @@ class ChunkTask:
     """
 
     chunk: int
-    near: Rows
+    near: FrameRange
     settings: Settings
     edits: tuple[Edit, ...]
     regions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Span:
+class EditFrames:
     """The frames that an edit can affect, and those of its hold."""
 
-    affected: Rows
-    held: Rows
+    affected: FrameRange
+    held: FrameRange
 
 
 class Chunks:
@@ -104,7 +104,7 @@ class Chunks:
         )
         edges = (self.grid_ranges + np.array([-1, 0])) / GRID_RATE
         self._near = np.clip(np.searchsorted(times, edges) + np.array([-1, 1]), 0, len(times))
-        self._spans: dict[Edit, Span] = {}
+        self._spans: dict[Edit, EditFrames] = {}
         self._ways = Recent[Resampling](REMEMBERED_WAYS)
 
     def __len__(self) -> int:
@@ -124,7 +124,7 @@ class Chunks:
         """A chunk's frames."""
         return slice(int(self.rows[chunk]), int(self.rows[chunk + 1]))
 
-    def resampling(self, chunk: int, rows: Rows) -> Resampling:
+    def resampling(self, chunk: int, rows: FrameRange) -> Resampling:
         """From some frames to the grid frames that the networks answer for a chunk, and back."""
 
         def found() -> Resampling:
@@ -166,18 +166,20 @@ class Chunks:
             for chunk, column, (first, last) in zip(wanted, columns, ranges, strict=True)
         }
 
-    def _span(self, edit: Edit) -> Span:
+    def _span(self, edit: Edit) -> EditFrames:
         known = self._spans.get(edit)
         if known is None:
             spans = affected(edit), (edit.start, edit.end)
-            known = self._spans[edit] = Span(*(self._within(first, last) for first, last in spans))
+            known = self._spans[edit] = EditFrames(
+                *(self._within(first, last) for first, last in spans)
+            )
         return known
 
-    def _within(self, first: float, last: float) -> Rows:
+    def _within(self, first: float, last: float) -> FrameRange:
         start, stop = np.searchsorted(self._times, (first - SLACK, last + SLACK))
         return int(start), int(stop)
 
-    def _under(self, spans: Sequence[Span]) -> list[int]:
+    def _under(self, spans: Sequence[EditFrames]) -> list[int]:
         """The chunks with frames that edits affect, in order of time."""
         rows = np.array([span.affected for span in spans], np.intp).reshape(-1, 2)
         first, last = rows[rows[:, 0] < rows[:, 1]].T
@@ -189,7 +191,7 @@ class Chunks:
         under: list[int] = np.flatnonzero(runs.cumsum()[:-1]).tolist()
         return under
 
-    def _seen(self, edits: Sequence[Edit], spans: Sequence[Span]) -> tuple[Bools, Indices]:
+    def _seen(self, edits: Sequence[Edit], spans: Sequence[EditFrames]) -> tuple[Bools, Indices]:
         """Which edits each chunk depends on (E, n), and the frames that it reads (n, 2).
 
         Goes from the last edit to the first: a smooth reads frames that earlier edits change.
@@ -211,7 +213,7 @@ class Chunks:
     def _see_starts(
         self,
         edits: Sequence[Edit],
-        spans: Sequence[Span],
+        spans: Sequence[EditFrames],
         seen: Bools,
         first: Indices,
         last: Indices,
@@ -239,9 +241,9 @@ class Chunks:
         return first, last
 
 
-def _influenced(edits: Sequence[Edit], spans: Sequence[Span]) -> set[str]:
+def _influenced(edits: Sequence[Edit], spans: Sequence[EditFrames]) -> set[str]:
     """The controls that edits change, except where a later reset at full strength covers them."""
-    left: dict[str, list[Rows]] = {control: [] for control in CONTROL_IDS}
+    left: dict[str, list[FrameRange]] = {control: [] for control in CONTROL_IDS}
     for edit, span in zip(edits, spans, strict=True):
         if edit.op in OF_THE_TAKE:  # the networks have no part in it
             continue

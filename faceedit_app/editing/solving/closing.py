@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Gaps
+from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Openings
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.controls import CONTROL_INDEX, control_named
@@ -61,7 +61,7 @@ class Closing:
         channels: frozenset[str] = frozenset(ARKIT_CHANNELS),
         covariances: Mapping[str, Doubles] | None = None,
     ) -> None:
-        self.ours, self.theirs = Gaps.of(ours), Gaps.of(theirs)
+        self.ours, self.theirs = Openings.of(ours), Openings.of(theirs)
         may = channels if "jawOpen" in channels else channels - {"mouthClose"}
         covariances = covariances or {}
         parts = (
@@ -101,7 +101,7 @@ class _Part:
         self,
         region: Region,
         ours: Rig,
-        theirs: Gaps,
+        theirs: Openings,
         may: frozenset[str],
         covariance: Doubles | None,
     ) -> None:

@@ -13,10 +13,10 @@ from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.editing.solving.coupling import couple, room_of_close
 from faceedit_app.editing.solving.last_layer import Correction
-from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach_frames import limited
 from faceedit_app.editing.solving.reaching import Reaching
 from faceedit_app.editing.solving.region_request import RegionRequest
+from faceedit_app.editing.solving.take_regions import TakeRegion
 from faceedit_app.editing.solving.take_statistics import WAKES
 
 # (N, K) what the networks add to (preserve) or replace (resynthesize); and (N, K) by which the
@@ -39,7 +39,7 @@ class Combining:
         quick: frames of standard deviation of the Gaussian that divides slow from quick.
     """
 
-    def __init__(self, part: Part, shut: float, quick: float) -> None:
+    def __init__(self, part: TakeRegion, shut: float, quick: float) -> None:
         self._part = part
         self._correction = Correction()
         self._lips = part.own.index(LIP_OPENING) if LIP_OPENING in part.own else None

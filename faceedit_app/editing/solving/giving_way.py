@@ -1,9 +1,9 @@
 """How far what was not asked for gives way to what was.
 
-Reach meets what edits ask for, and holds the other curves as firmly as `Part.free` says. Where the
-channels that the take uses cannot do both, others may help, as for a curve that is not met. And no
-face lowers its lip by 3 mm while its lips stay together: where nothing helps, the lips part by as
-much as the lip was asked to move, and the lip goes as far as that takes it.
+Reach meets what edits ask for, and holds the other curves as firmly as `TakeRegion.free` says.
+Where the channels that the take uses cannot do both, others may help, as for a curve that is not
+met. And no face lowers its lip by 3 mm while its lips stay together: where nothing helps, the lips
+part by as much as the lip was asked to move, and the lip goes as far as that takes it.
 """
 
 from __future__ import annotations

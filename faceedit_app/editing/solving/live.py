@@ -15,8 +15,8 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats
-from faceedit_app.editing.solving.channel_edits import Task
-from faceedit_app.editing.solving.chunks import Rows
+from faceedit_app.editing.solving.channel_edits import AnyTask
+from faceedit_app.editing.solving.chunks import FrameRange
 from faceedit_app.editing.solving.solver import Solver
 
 REMEMBERED = 1024  # changes that `Live.changes` can report
@@ -51,13 +51,13 @@ class Live:
         turns = solver.clip.rotations
         self._turns, self.rotations = turns, None if turns is None else turns.copy()
         self.patience: float | None = None
-        self._wanted: Mapping[int, Task] = {}
-        self._shown: dict[int, Task] = {}
+        self._wanted: Mapping[int, AnyTask] = {}
+        self._shown: dict[int, AnyTask] = {}
         self._changed: dict[int, int] = {}  # frames, by chunk
         self._waiting: list[int] = []  # chunks, the most urgent last
         self._total = 0
         self._in_view = (0, 0, 0)
-        self._changes: deque[Rows] = deque(maxlen=REMEMBERED)
+        self._changes: deque[FrameRange] = deque(maxlen=REMEMBERED)
         self._count = 0
 
     @property
@@ -79,7 +79,7 @@ class Live:
         """Show the take as tracked."""
         self.show({})
 
-    def show(self, tasks: Mapping[int, Task]) -> None:
+    def show(self, tasks: Mapping[int, AnyTask]) -> None:
         """Show the results of these tasks by chunk, and the take as tracked elsewhere."""
         for chunk in [chunk for chunk in self._shown if chunk not in tasks]:
             rows = self._solver.chunks.slice(chunk)
@@ -159,7 +159,7 @@ class Live:
         self._changes.append((rows.start, rows.stop))
         self._count += 1
 
-    def changes(self, since: int) -> tuple[int, list[Rows]]:
+    def changes(self, since: int) -> tuple[int, list[FrameRange]]:
         """What has changed, for caches of values that are derived from the arrays.
 
         Args:
@@ -171,7 +171,7 @@ class Live:
         missed = self._count - since
         if missed > len(self._changes):  # too long ago
             return self._count, [(0, len(self.tracked))]
-        found: list[Rows] = []
+        found: list[FrameRange] = []
         for first, last in sorted(islice(reversed(self._changes), missed)):
             if found and first <= found[-1][1]:
                 found[-1] = found[-1][0], max(last, found[-1][1])

@@ -15,10 +15,10 @@ from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.answers import Answers
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.last_layer import LastLayer
-from faceedit_app.editing.solving.parts import Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.residual import Residuals
 from faceedit_app.editing.solving.start import Start
+from faceedit_app.editing.solving.take_regions import Sample, TakeRegion
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -44,7 +44,7 @@ class NetworkAnswers:
         engine: Engine | None,
         grid: Doubles,
         chunks: Chunks,
-        parts: Mapping[str, Part],
+        parts: Mapping[str, TakeRegion],
         sampled: Sequence[int],
         sample: Sample,
     ) -> None:
@@ -128,7 +128,7 @@ class NetworkAnswers:
         return begun
 
 
-def _lacking(part: Part, to_grid: OnGrid, begin: Start, unedited: Doubles) -> Doubles:
+def _lacking(part: TakeRegion, to_grid: OnGrid, begin: Start, unedited: Doubles) -> Doubles:
     """(M, K) the weights on the grid less the networks' answer to their curves."""
     return to_grid(begin.weights[:, part.columns]) - part.whole(unedited)
 
@@ -150,7 +150,7 @@ class BegunAnswers:
 
     from_grid: OffGrid
 
-    def __init__(self, parts: Mapping[str, Part], before: Doubles, mode: Mode) -> None:
+    def __init__(self, parts: Mapping[str, TakeRegion], before: Doubles, mode: Mode) -> None:
         self._parts, self._before, self._mode = parts, before, mode
         self.edited: dict[str, Callable[[], Doubles]] = {}
         self.unedited: dict[str, Doubles] = {}

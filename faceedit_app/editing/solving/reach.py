@@ -14,7 +14,7 @@ import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
-from faceedit_app.editing.solving.reach_frames import Frames, Place, at, limited, solved
+from faceedit_app.editing.solving.reach_frames import Frames, Reached, at, limited, solved
 
 Rows = slice | Indices
 
@@ -234,13 +234,13 @@ class Reach:
                 change, frozen = at(change, left), at(frozen, left)
         return found, np.maximum(there, 0.0)
 
-    def _place(self, frames: Frames, vectors: Doubles, lengths: Doubles | None = None) -> Place:
+    def _place(self, frames: Frames, vectors: Doubles, lengths: Doubles | None = None) -> Reached:
         found: Doubles = self._distances.lengths(vectors) if lengths is None else lengths
         if found.ndim == 2:
             found = np.asfortranarray(found)
-        return Place(vectors, found, frames.cost(found))
+        return Reached(vectors, found, frames.cost(found))
 
-    def _linear(self, frames: Frames, here: Place, passed: bool) -> tuple[Doubles, Doubles]:
+    def _linear(self, frames: Frames, here: Reached, passed: bool) -> tuple[Doubles, Doubles]:
         """What the controls do near a place.
 
         Returns:
@@ -329,8 +329,8 @@ class Reach:
         return factor
 
     def _line_search(
-        self, frames: Frames, here: Place, old: Doubles, new: Doubles
-    ) -> tuple[Doubles, Place]:
+        self, frames: Frames, here: Reached, old: Doubles, new: Doubles
+    ) -> tuple[Doubles, Reached]:
         """The step from `old` to `new`, shortened for each frame until it leads nearer.
 
         A full step can move a pair of vertices through each other, where the distance grows

@@ -15,7 +15,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 
 
 @dataclass(frozen=True)
-class Place:
+class Reached:
     """The result of a change of weights, on N frames.
 
     Attributes:
@@ -28,11 +28,11 @@ class Place:
     lengths: Doubles
     costs: Doubles
 
-    def at(self, rows: Indices) -> Place:
+    def at(self, rows: Indices) -> Reached:
         """Some of the frames."""
-        return Place(at(self.vectors, rows), at(self.lengths, rows), self.costs[rows])
+        return Reached(at(self.vectors, rows), at(self.lengths, rows), self.costs[rows])
 
-    def put(self, rows: Indices, other: Place, best: tuple[Indices, Indices]) -> None:
+    def put(self, rows: Indices, other: Reached, best: tuple[Indices, Indices]) -> None:
         """Replace some of the frames by the best of others."""
         self.vectors[rows] = other.vectors[best]
         self.lengths[rows], self.costs[rows] = other.lengths[best], other.costs[best]

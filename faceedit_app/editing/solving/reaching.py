@@ -23,9 +23,9 @@ from faceedit_app.editing.solving.giving_way import (
     missing,
     unpassed,
 )
-from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.reach import Goal, Reach
 from faceedit_app.editing.solving.region_request import RegionRequest
+from faceedit_app.editing.solving.take_regions import TakeRegion
 
 Rows = slice | Indices
 
@@ -50,7 +50,7 @@ class Reaching:
     """
 
     def __init__(
-        self, part: Part, reach: Reach, lips: int | None, shut: float, quick: float
+        self, part: TakeRegion, reach: Reach, lips: int | None, shut: float, quick: float
     ) -> None:
         self._part, self._reach, self._lips = part, reach, lips
         self._shut, self._quick = shut, quick

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from typing import Generic, TypeVar
 
-Kept = TypeVar("Kept")
+Value = TypeVar("Value")
 
 
-class Recent(Generic[Kept]):
+class Recent(Generic[Value]):
     """Results that are kept until others have been asked for more recently.
 
     Args:
@@ -16,13 +16,13 @@ class Recent(Generic[Kept]):
     """
 
     def __init__(self, most: int) -> None:
-        self._most, self._kept = most, dict[Hashable, Kept]()
+        self._most, self._kept = most, dict[Hashable, Value]()
 
     def __contains__(self, key: Hashable) -> bool:
         """Whether the result for a key is kept."""
         return key in self._kept
 
-    def to(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
+    def to(self, key: Hashable, make: Callable[[], Value]) -> Value:
         """The result for a key; it is made if it is not kept."""
         found = self._kept.pop(key, None)
         found = make() if found is None else found

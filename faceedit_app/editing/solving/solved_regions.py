@@ -13,10 +13,10 @@ from faceedit_app.editing.solving.chunks import ChunkTask
 from faceedit_app.editing.solving.combining import Answer, Combining
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
-from faceedit_app.editing.solving.parts import Part
 from faceedit_app.editing.solving.region_request import RegionRequest
 from faceedit_app.editing.solving.request import Request
 from faceedit_app.editing.solving.start import Start
+from faceedit_app.editing.solving.take_regions import TakeRegion
 
 # Results that are kept.
 REMEMBERED = 12
@@ -33,7 +33,7 @@ class SolvedRegions:
     """
 
     def __init__(
-        self, parts: Mapping[str, Part], networks: NetworkAnswers, shut: float, quick: float
+        self, parts: Mapping[str, TakeRegion], networks: NetworkAnswers, shut: float, quick: float
     ) -> None:
         self._parts, self._networks, self._quick = parts, networks, quick
         # Brows move lids a little; the mouth, which is edited most, comes last.

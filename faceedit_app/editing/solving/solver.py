@@ -29,20 +29,20 @@ from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import find_lacks, without
-from faceedit_app.editing.solving.channel_edits import ChannelEdits, ChannelTask, Task
+from faceedit_app.editing.solving.channel_edits import AnyTask, ChannelEdits, ChannelTask
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.giving_way import firmness
 from faceedit_app.editing.solving.network_answers import NetworkAnswers
-from faceedit_app.editing.solving.parts import BEYOND, Part, Sample
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import Request, active, request
 from faceedit_app.editing.solving.rounding import rounded
 from faceedit_app.editing.solving.sideways import Sideways
 from faceedit_app.editing.solving.solved_regions import SolvedRegions
 from faceedit_app.editing.solving.start import Start, Starts
+from faceedit_app.editing.solving.take_regions import BEYOND, Sample, TakeRegion
 from faceedit_app.editing.solving.take_statistics import IDLE
 from faceedit_app.formats.take import LostRows
 
@@ -117,7 +117,7 @@ class Solver:
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
         self._parts = {
-            region.id: Part(region, engine, self.distances, may, self._missing, self._sample)
+            region.id: TakeRegion(region, engine, self.distances, may, self._missing, self._sample)
             for region in (BROWS, *REGIONS)
         }
         self._sideways = Sideways(self.distances, may, self._sample)
@@ -192,7 +192,7 @@ class Solver:
         high = np.maximum(high, self.controls.max(axis=0))
         return list(zip(low.tolist(), high.tolist(), strict=True))
 
-    def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, Task]:
+    def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, AnyTask]:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
         listening[JAW.id] = JAW.own
@@ -225,7 +225,7 @@ class Solver:
         """(T,) values of the frames, such as confidence, at the moments that retimes show."""
         return self._fills.moved(active(divided(edits)[0]), values)
 
-    def solve(self, task: Task) -> Patch:
+    def solve(self, task: AnyTask) -> Patch:
         """Compute one chunk."""
         return self._edit_channels(task) if isinstance(task, ChannelTask) else self._answered(task)
 
@@ -309,7 +309,7 @@ class Solver:
         return change
 
     def _completed(
-        self, part: Part, task: ChunkTask, asked: Request, tracked: Doubles, change: Doubles
+        self, part: TakeRegion, task: ChunkTask, asked: Request, tracked: Doubles, change: Doubles
     ) -> Doubles:
         """(N, C) mm: a change of a region's own curves, with that of those not asked for."""
         own = part.own_columns

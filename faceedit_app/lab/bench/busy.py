@@ -15,7 +15,7 @@ import numpy as np
 
 from faceedit_app.core.controls import MAIN_CONTROLS, MOUTH_WIDTH
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.lab.bench.clocks import Times
+from faceedit_app.lab.bench.clocks import Timings
 from faceedit_app.lab.bench.desk import Desk, Heartbeat, long_take
 
 FRAMES, RATE = 36_000, 60.0
@@ -162,8 +162,8 @@ def _answer(
 def _summary(runs: list[tuple[float, float, float]]) -> dict[str, float]:
     answered, blocked, complete = zip(*runs, strict=True)
     return {
-        "answer": Times(answered).median,
+        "answer": Timings(answered).median,
         "longest_answer": max(answered),
         "longest_block": max(blocked),
-        "complete": Times(complete).median,
+        "complete": Timings(complete).median,
     }

@@ -14,7 +14,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class Times:
+class Timings:
     """Milliseconds of repetitions."""
 
     all: Sequence[float]
@@ -39,11 +39,11 @@ class Times:
         return {"median": self.median, "p95": self.p95, "best": self.best}
 
 
-def repeat(work: Callable[[], object], times: int, warm_up: int = 10) -> Times:
+def repeat(work: Callable[[], object], times: int, warm_up: int = 10) -> Timings:
     """Repeat something, after a warm-up, and time it."""
     for _ in range(warm_up):
         work()
-    return Times([_timed(work) for _ in range(times)])
+    return Timings([_timed(work) for _ in range(times)])
 
 
 def _timed(work: Callable[[], object]) -> float:

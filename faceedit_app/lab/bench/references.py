@@ -21,7 +21,7 @@ import numpy as np
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
-from faceedit_app.lab.bench.clocks import Times, repeat
+from faceedit_app.lab.bench.clocks import Timings, repeat
 from faceedit_app.lab.bench.desk import long_take
 from faceedit_app.networks.engine import ENDING, Engine
 from faceedit_app.render import contexts
@@ -31,7 +31,7 @@ FRAMES, SIZE = 202, 640
 _BLENDER_SECONDS = 180  # without a GPU, both engines need about 25
 
 
-def naive(engine: Engine, rig: Rig, times: int) -> Times:
+def naive(engine: Engine, rig: Rig, times: int) -> Timings:
     """The plain way: networks on the whole take, then pyrender as its manual shows it."""
     import pyrender
     import trimesh
@@ -79,16 +79,16 @@ def _can_train() -> bool:
     return all(importlib.util.find_spec(name) is not None for name in ("onnx", "torch"))
 
 
-def in_torch(architecture: str, times: int) -> Times | None:
+def in_torch(architecture: str, times: int) -> Timings | None:
     """The three regions' networks of an architecture on 202 frames, in torch, on one thread."""
     if not _can_train():
         return None
     import torch
 
     from faceedit_app.lab.training.architectures import ARCHITECTURES
-    from faceedit_app.lab.training.settings import FitSettings
+    from faceedit_app.lab.training.settings import TrainingSettings
 
-    kind, settings = ARCHITECTURES[architecture], FitSettings()
+    kind, settings = ARCHITECTURES[architecture], TrainingSettings()
     nets = [kind.of(len(r.controls), len(r.channels), settings).eval() for r in REGIONS]
     inputs = [torch.randn(1, net.controls, _padded(FRAMES, net.scale)) for net in nets]
     threads = torch.get_num_threads()
@@ -126,7 +126,7 @@ def multiplications(path: Path, frames: int) -> int:
     )
 
 
-def cpu_limit(folder: Path, times: int) -> Times | None:
+def cpu_limit(folder: Path, times: int) -> Timings | None:
     """One matrix product with as many multiplications as the networks need for 202 frames."""
     if importlib.util.find_spec("onnx") is None:
         return None
@@ -141,7 +141,7 @@ def cpu_limit(folder: Path, times: int) -> Times | None:
     return repeat(lambda: np.matmul(a, b, out=out), times)
 
 
-def gl_limit(rig: Rig, times: int) -> Times | None:
+def gl_limit(rig: Rig, times: int) -> Timings | None:
     """The same triangles in one colour, read back: the least that this OpenGL needs."""
     if importlib.util.find_spec("moderngl") is None:
         return None
@@ -264,10 +264,10 @@ def _output(command: list[str], folder: str) -> str:
             return f"{process.communicate()[0]}\nnot done after {_BLENDER_SECONDS} seconds"
 
 
-def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Times | None]:
+def of_all(engine: Engine, rig: Rig, times: int) -> dict[str, Timings | None]:
     """The references that run in this process."""
     models = shipped("models")
-    references: dict[str, Times | None] = {
+    references: dict[str, Timings | None] = {
         "naive": naive(engine, rig, max(times // 5, 3)),
         "torch": in_torch("unet", times),
         "holden": in_torch("holden", times),

@@ -22,7 +22,7 @@ from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench import busy, kernels, references, starting, window
-from faceedit_app.lab.bench.clocks import Times
+from faceedit_app.lab.bench.clocks import Timings
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
 from faceedit_app.ui.start.application import application, collecting
@@ -165,7 +165,7 @@ def _compared(
     rig: Rig,
     engine: Engine,
     found: dict[str, Any],
-    answered: Times,
+    answered: Timings,
     say: Callable[[str], None],
 ) -> tuple[dict[str, Any], dict[str, float | None]]:
     """Each reference's time as a multiple of FaceEdit's."""

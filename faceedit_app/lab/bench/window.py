@@ -17,7 +17,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving import solver as solve
 from faceedit_app.editing.solving.answers import Answers
-from faceedit_app.lab.bench.clocks import Stages, Times, repeat
+from faceedit_app.lab.bench.clocks import Stages, Timings, repeat
 from faceedit_app.lab.bench.desk import Desk, Heartbeat, long_take
 from faceedit_app.networks.engine import Engine
 from faceedit_app.render.renderer import FaceRenderer
@@ -55,7 +55,7 @@ def drag(desk: Desk, times: int) -> dict[str, Any]:
     """
     once = _begin_drag(desk)
     steps = [(once(), desk.worked) for _ in range(times)]
-    whole, worked = (Times(column) for column in zip(*steps, strict=True))
+    whole, worked = (Timings(column) for column in zip(*steps, strict=True))
     stages = Stages()
     accounts = (
         ("controls", EditSession, "preview"),
@@ -90,7 +90,7 @@ def drag_dense(desk: Desk, times: int) -> dict[str, Any]:
     """The drag of measure 1 on a character with `VERTICES` vertices, as users bring them."""
     rig = denser(desk.rig, VERTICES)
     once = _begin_drag(desk, rig)
-    steps = Times([once() for _ in range(times)])
+    steps = Timings([once() for _ in range(times)])
     desk.cancel()
     desk.choose()
     return steps.summary() | {"vertices": len(rig.neutral)}
@@ -121,7 +121,7 @@ def denser(rig: Rig, vertices: int) -> Rig:
     )
 
 
-def _drag_of_one(desk: Desk, times: int) -> Times:
+def _drag_of_one(desk: Desk, times: int) -> Timings:
     """A typical drag: one curve, in a selection of 0.4 s, where the lids are edited too."""
     session, line = desk.session, desk.window.timeline
     session.add(Edit(LIDS, Op.OFFSET, 0.0, session.take.clip.duration, 0.0, -1.0))
@@ -130,12 +130,12 @@ def _drag_of_one(desk: Desk, times: int) -> Times:
     once = desk.dragged(LIP_OPENING)
     for _ in range(10):
         once()
-    steps = Times([once() for _ in range(times)])
+    steps = Timings([once() for _ in range(times)])
     desk.cancel()
     return steps
 
 
-def networks(engine: Engine, times: int) -> Times:
+def networks(engine: Engine, times: int) -> Timings:
     """The three regions' networks on 202 frames, as the paper measures them."""
     demo = long_take(FRAMES).clip
     curves = np.random.default_rng(0).normal(30.0, 3.0, (len(demo), len(CONTROLS)))
@@ -156,12 +156,12 @@ def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
     once = desk.dragged(LIP_OPENING)
     for _ in range(10):
         once()
-    local = Times([once() for _ in range(times)])
+    local = Timings([once() for _ in range(times)])
     desk.cancel()
     line.show_range(0.0, clip.duration)
     desk.settle()
     desk.press(LIP_OPENING, moment)
-    overview = Times([once() for _ in range(max(times // 4, 2))])
+    overview = Timings([once() for _ in range(max(times // 4, 2))])
     desk.cancel()
     line.show_range(moment - 4.0, moment + 4.0)
     return {

@@ -42,7 +42,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialResult:
     """The result of one trial.
 
     Attributes:
@@ -110,7 +110,7 @@ def run_benchmark(
     rig: Rig,
     engine: Engine | None,
     progress: Callable[[int, int], None] = lambda done, of: None,
-) -> list[Outcome]:
+) -> list[TrialResult]:
     """Every trial of every take, in both modes, at each naturalness."""
     out = []
     for number, take in enumerate(takes):
@@ -128,7 +128,7 @@ def run_benchmark(
     return out
 
 
-def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outcome:
+def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> TrialResult:
     times = session.take.clip.times
     before = session.take.clip.arkit_weights().astype(np.float64)
     after = session.weights.astype(np.float64)
@@ -147,7 +147,7 @@ def _outcome(session: EditSession, trial: Trial, engine: Engine | None) -> Outco
         r.id for r in REGIONS if any(set(edit.controls) & set(r.own) for edit in trial.edits)
     ]
     columns = [ARKIT_INDEX[c] for r in REGIONS if r.id in touched for c in r.channels]
-    return Outcome(
+    return TrialResult(
         kind=trial.kind,
         mode="",
         naturalness=0.0,

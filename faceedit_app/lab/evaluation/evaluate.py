@@ -17,7 +17,7 @@ from faceedit_app.core.regions import LOWER, REGIONS, Region
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
-from faceedit_app.lab.evaluation.benchmark import GOALS, Outcome, run_benchmark
+from faceedit_app.lab.evaluation.benchmark import GOALS, TrialResult, run_benchmark
 from faceedit_app.lab.evaluation.metrics import (
     Closures,
     closures,
@@ -85,7 +85,7 @@ class Figures:
     takes: list[tuple[str, str, float]]
     regions: dict[str, dict[str, Score]]
     closures: dict[str, dict[str, Closures]]
-    outcomes: list[Outcome] = field(default_factory=list)
+    outcomes: list[TrialResult] = field(default_factory=list)
     curves: dict[str, dict[str, Doubles]] = field(default_factory=dict)
     people: PeopleFigures = field(default_factory=PeopleFigures)
 
@@ -130,7 +130,7 @@ def _number(value: float) -> float | None:
 
 
 def edit_figures(
-    outcomes: Sequence[Outcome], mode: str, naturalness: float = 1.0
+    outcomes: Sequence[TrialResult], mode: str, naturalness: float = 1.0
 ) -> dict[str, float]:
     """The benchmark in four numbers.
 

@@ -33,7 +33,7 @@ _WIDE = 2.0  # mm; eyes that far below their median are not open
 
 
 @dataclass(frozen=True)
-class Face:
+class FaceGesture:
     """One gesture.
 
     Attributes:
@@ -56,11 +56,11 @@ class Face:
         ]
 
 
-def _wild(name: str) -> Face:
+def _wild(name: str) -> FaceGesture:
     curves = WILD[name]
     words = "; ".join(f"{_label(controls)} {mm:+g} mm" for controls, mm in curves)
     drags = tuple((controls, Op.OFFSET, mm) for controls, mm in curves)
-    return Face(f"wild: {name}", words, drags)
+    return FaceGesture(f"wild: {name}", words, drags)
 
 
 def _label(controls: tuple[str, ...]) -> str:
@@ -69,11 +69,11 @@ def _label(controls: tuple[str, ...]) -> str:
 
 
 FACES = (
-    Face("closure", "mouth opening to 0.5 mm", (((LIP_OPENING,), Op.SET, 0.5),), True),
-    Face("smile", "both mouth corners +4 mm", ((MOUTH_CORNERS, Op.OFFSET, 4.0),)),
-    Face("pucker", "mouth width -12 mm", (((MOUTH_WIDTH,), Op.OFFSET, -12.0),)),
-    Face("wink", "left eye opening to 0 mm", (((LIDS[0],), Op.SET, 0.0),)),
-    Face("half-closed eyes", "both eye openings to 3.5 mm", ((LIDS, Op.SET, 3.5),)),
+    FaceGesture("closure", "mouth opening to 0.5 mm", (((LIP_OPENING,), Op.SET, 0.5),), True),
+    FaceGesture("smile", "both mouth corners +4 mm", ((MOUTH_CORNERS, Op.OFFSET, 4.0),)),
+    FaceGesture("pucker", "mouth width -12 mm", (((MOUTH_WIDTH,), Op.OFFSET, -12.0),)),
+    FaceGesture("wink", "left eye opening to 0 mm", (((LIDS[0],), Op.SET, 0.0),)),
+    FaceGesture("half-closed eyes", "both eye openings to 3.5 mm", ((LIDS, Op.SET, 3.5),)),
     *map(_wild, WILD),
 )
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from faceedit_app.characters.character import Character, Part
-from faceedit_app.characters.closure import Gaps
+from faceedit_app.characters.character import Character, MeshPart
+from faceedit_app.characters.closure import Openings
 from faceedit_app.characters.fitted import FittedCharacter, fit
 from faceedit_app.characters.making import Made, Template, make
 from faceedit_app.characters.registry import read_character
@@ -99,7 +99,7 @@ def _read_stored(path: Path) -> Character:
     except (OSError, KeyError, ValueError) as error:
         raise FileError(path, "is no stored head", "use a GLB, VRM, FBX or OBJ") from error
     targets = dict(zip(names, moves, strict=True))
-    part = Part("head", vertices.astype(np.float32), faces.astype(np.int32), targets)
+    part = MeshPart("head", vertices.astype(np.float32), faces.astype(np.int32), targets)
     return Character(path, "arrays", (part,))
 
 
@@ -152,7 +152,7 @@ def _shut(rig: Rig) -> tuple[float, float]:
     weights = np.zeros((2, 52), np.float32)
     weights[0, [ARKIT_INDEX["jawOpen"], ARKIT_INDEX["mouthClose"]]] = 1.0
     weights[1, [ARKIT_INDEX["eyeBlinkLeft"], ARKIT_INDEX["eyeBlinkRight"]]] = 1.0
-    gaps = Gaps.of(rig).measure(weights)
+    gaps = Openings.of(rig).measure(weights)
     return float(gaps[0, 0]), float(gaps[1, 1:].max())
 
 

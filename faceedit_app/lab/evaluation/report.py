@@ -10,7 +10,7 @@ import numpy as np
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resample import GRID_RATE
-from faceedit_app.lab.evaluation.benchmark import NATURALNESS, Outcome
+from faceedit_app.lab.evaluation.benchmark import NATURALNESS, TrialResult
 from faceedit_app.lab.evaluation.evaluate import CLOSING, Figures, edit_figures
 from faceedit_app.lab.evaluation.people.report import people_part
 from faceedit_app.lab.evaluation.people.report import summary_lines as people_lines
@@ -66,7 +66,7 @@ def closures_table(figures: Figures) -> str:
     return markdown_table([*titles, "FPR from where TPR ≥ 0.98"], rows)
 
 
-def edits_table(outcomes: Sequence[Outcome]) -> str:
+def edits_table(outcomes: Sequence[TrialResult]) -> str:
     """The benchmark by mode and naturalness."""
     rows = []
     for mode in ("preserve", "resynthesize"):
@@ -97,7 +97,7 @@ def edits_table(outcomes: Sequence[Outcome]) -> str:
     return markdown_table([*titles, *more], rows)
 
 
-def kinds_table(outcomes: Sequence[Outcome], mode: str = "preserve") -> str:
+def kinds_table(outcomes: Sequence[TrialResult], mode: str = "preserve") -> str:
     """The benchmark by kind of edit, at naturalness 1."""
     mine = [o for o in outcomes if o.mode == mode and o.naturalness == 1.0]
     rows = []

@@ -16,7 +16,7 @@ from faceedit_app.lab.evaluation.setting import Setting
 from faceedit_app.lab.evaluation.tables import cell, markdown_table
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import SYNTHETIC
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 
 MOUTH_AT = 2.0  # mm, the stated threshold of detection in short tables
 
@@ -90,7 +90,7 @@ def recipes(setting: Setting) -> Path:
     """What our changes to the paper's recipe do, one at a time, and which controls brows hear."""
     ours = setting.settings()
     assert ours.variety is not None
-    variants: list[tuple[str, FitSettings]] = [
+    variants: list[tuple[str, TrainingSettings]] = [
         ("the paper's", setting.settings("paper")),
         ("the paper's, residual", replace(setting.settings("paper"), residual=True)),
         ("ours", ours),

@@ -27,7 +27,7 @@ SECONDS = 2.8
 OPENING = CONTROL_INDEX[LIP_OPENING]
 
 
-class Place(Protocol):
+class ReportSetting(Protocol):
     """Where the plots go, and the character to measure on."""
 
     output: Path
@@ -56,7 +56,7 @@ def inputs(rest: Doubles, frames: int) -> dict[str, Doubles]:
     return out
 
 
-def robustness_part(takes: Sequence[Performance], systems: Systems, place: Place) -> str:
+def robustness_part(takes: Sequence[Performance], systems: Systems, place: ReportSetting) -> str:
     """The figure and a table, as Markdown; the plots are written to `place.output`.
 
     Raises:

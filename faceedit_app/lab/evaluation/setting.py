@@ -27,7 +27,7 @@ from faceedit_app.lab.training.data import Performance, load_performances
 from faceedit_app.lab.training.fit import Epoch, fit_region
 from faceedit_app.lab.training.holden import fit_holden
 from faceedit_app.lab.training.run import THREADS
-from faceedit_app.lab.training.settings import COMPLETION_PASSES, RECIPES, FitSettings
+from faceedit_app.lab.training.settings import COMPLETION_PASSES, RECIPES, TrainingSettings
 
 
 @dataclass
@@ -129,7 +129,7 @@ class Setting:
             )
         return figures
 
-    def settings(self, recipe: str = "faceedit") -> FitSettings:
+    def settings(self, recipe: str = "faceedit") -> TrainingSettings:
         """A recipe with the experiments' budget."""
         return RECIPES[recipe].with_epochs(self.epochs)
 
@@ -138,7 +138,7 @@ class Setting:
         label: str,
         regions: Sequence[Region],
         takes: Sequence[Performance],
-        settings: FitSettings,
+        settings: TrainingSettings,
         baseline: bool = False,
     ) -> Systems:
         """Train some regions on some takes."""

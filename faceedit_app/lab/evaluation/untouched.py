@@ -22,7 +22,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.lab.evaluation.people.gestures import APART, ASKED_MM, MOST, OPENING
 from faceedit_app.lab.evaluation.people.places import frames, inside, pick, random_for
 from faceedit_app.lab.evaluation.people.report import TRACKERS
-from faceedit_app.lab.evaluation.people.sources import Source
+from faceedit_app.lab.evaluation.people.sources import TakeSource
 from faceedit_app.lab.evaluation.tables import cell, markdown_table
 from faceedit_app.networks.engine import Engine
 
@@ -107,7 +107,7 @@ class Untouched:
         closures: mm by which the worst frame misses a closure that overlaps another edit.
     """
 
-    sources: Sequence[Source]
+    sources: Sequence[TakeSource]
     takes: dict[str, list[float]] = field(default_factory=dict)
     asked: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     missed: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
@@ -117,7 +117,7 @@ class Untouched:
 
 
 def measure_untouched(
-    sources: Sequence[Source], rig: Rig, engine: Engine, progress: Callable[[int, int], None]
+    sources: Sequence[TakeSource], rig: Rig, engine: Engine, progress: Callable[[int, int], None]
 ) -> Untouched:
     """Edit up to `MOST_TAKES` takes of each source; `progress` gets how many are done, of all."""
     found = Untouched(sources)
@@ -261,7 +261,7 @@ def untouched_part(found: Untouched) -> str:
     return "\n\n".join(parts)
 
 
-def _source_text(source: Source, seconds: Sequence[float]) -> str:
+def _source_text(source: TakeSource, seconds: Sequence[float]) -> str:
     known = ", which the networks learned from" if source.trained_on else ""
     count = "1 take" if len(seconds) == 1 else f"{len(seconds)} takes"
     return f"`{source.name}` ({TRACKERS[source.tracker]}{known}), {count}, {sum(seconds):.0f} s"

@@ -23,7 +23,7 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
-from faceedit_app.words.aligning import Line, align_part
+from faceedit_app.words.aligning import TextLine, align_part
 from faceedit_app.words.denoising import Samples
 from faceedit_app.words.files import read_words
 from faceedit_app.words.transcript import Transcript, Word
@@ -181,7 +181,7 @@ def _aligned(known: Sequence[_Known], noise: float | None) -> Alignment:
 
 def _align(one: _Known, samples: Samples) -> Transcript:
     part = one.start, one.start + len(samples) / one.rate
-    return align_part(samples, one.rate, one.start, part, [Line(one.text)])
+    return align_part(samples, one.rate, one.start, part, [TextLine(one.text)])
 
 
 def _edges(words: Sequence[Word]) -> Doubles:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from faceedit_app import __version__
 from faceedit_app.lab.training.data import Performance
-from faceedit_app.lab.training.fit import Fitted
-from faceedit_app.lab.training.settings import FitSettings, as_json
+from faceedit_app.lab.training.fit import FittedRegion
+from faceedit_app.lab.training.settings import TrainingSettings, as_json
 from faceedit_app.networks.engine import ENDING
 
 CARD = "README.md"
@@ -23,9 +23,9 @@ NO_FIGURES = "Not measured yet: `faceedit experiment card` writes them here."
 
 
 def model_card(
-    fitted: Sequence[Fitted],
+    fitted: Sequence[FittedRegion],
     performances: Sequence[Performance],
-    settings: FitSettings,
+    settings: TrainingSettings,
     folder: Path,
     command: str,
 ) -> str:
@@ -104,7 +104,7 @@ def _licences_text(folder: Path) -> str:
     return f" Who made the sources and their licences: [{LICENCES}]({LICENCES})."
 
 
-def _figure_rows(fitted: Sequence[Fitted]) -> str:
+def _figure_rows(fitted: Sequence[FittedRegion]) -> str:
     rows = []
     for result in fitted:
         made = result.model.description
@@ -122,7 +122,7 @@ def _figure_rows(fitted: Sequence[Fitted]) -> str:
     return "\n".join(rows)
 
 
-def _settings_list(settings: FitSettings) -> str:
+def _settings_list(settings: TrainingSettings) -> str:
     return "\n".join(f"- {name}: {value}" for name, value in as_json(settings).items())
 
 
@@ -133,7 +133,7 @@ def _hashes(folder: Path) -> str:
     )
 
 
-def _completion_text(fitted: Sequence[Fitted]) -> str:
+def _completion_text(fitted: Sequence[FittedRegion]) -> str:
     """What the completion networks measure, as a part of the card."""
     rows = [
         f"| {result.model.description.region} | "

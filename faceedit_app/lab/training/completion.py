@@ -22,7 +22,7 @@ from faceedit_app.lab.training.data import Performance, stretches
 from faceedit_app.lab.training.export import described
 from faceedit_app.lab.training.fit import Epoch, fingerprint
 from faceedit_app.lab.training.loop import Checkpoint, History, learn
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 from faceedit_app.lab.training.variety import play
 from faceedit_app.networks.completion import CompletionDescription, CompletionNetwork
 from faceedit_app.networks.made_for import MadeFor
@@ -66,7 +66,7 @@ def fit_completion(
     region: Region,
     performances: Sequence[Performance],
     rig: Rig,
-    settings: FitSettings,
+    settings: TrainingSettings,
     report: Callable[[Epoch], None] = lambda epoch: None,
     checkpoints: Path | None = None,
 ) -> TrainedCompletion | None:
@@ -102,7 +102,7 @@ def fit_completion(
         loss,
         epoch,
         validation,
-        Batch.of,
+        RequestBatch.of,
         of,
         settings,
         STAGE,
@@ -129,7 +129,7 @@ def save_completion(path: Path, trained: TrainedCompletion) -> None:
 
 
 @dataclass(frozen=True)
-class Batch:
+class RequestBatch:
     """Some requests as tensors; see `Requests`."""
 
     features: Tensor
@@ -139,26 +139,26 @@ class Batch:
     other: Tensor
 
     @classmethod
-    def of(cls, examples: Requests, rows: Indices) -> Batch:
+    def of(cls, examples: Requests, rows: Indices) -> RequestBatch:
         """Some of the requests."""
         part = examples.at(rows)
         every = (part.features, part.away, part.truth, part.share, part.other)
         return cls(*map(torch.from_numpy, every))
 
 
-def loss(answer: Tensor, batch: Batch) -> Tensor:
+def loss(answer: Tensor, batch: RequestBatch) -> Tensor:
     """Mean squared error of the completed curves, where edits change anything."""
     share, further = answer[:, :1], answer[:, 1:]
     return _error(batch.share * share * (batch.away + further * batch.other), batch)
 
 
-def _error(change: Tensor, batch: Batch) -> Tensor:
+def _error(change: Tensor, batch: RequestBatch) -> Tensor:
     where = batch.share * batch.other
     return ((change - batch.truth) ** 2 * where).sum() / where.sum().clamp(min=1.0)
 
 
 def _errors(network: CompletionUNet, validation: Requests) -> dict[str, float]:
-    batch = Batch.of(validation, np.arange(len(validation)))
+    batch = RequestBatch.of(validation, np.arange(len(validation)))
     with torch.inference_mode():
         return {
             "network": float(loss(network(batch.features), batch)),

@@ -18,7 +18,7 @@ from faceedit_app.core.resample import GRID_RATE, grid_length, to_grid
 from faceedit_app.core.rig import Distances
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.registry import endings, takes_below
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 
 # A channel that never moves by this much in any take of a source was not captured.
 ALIVE = 1e-3
@@ -137,7 +137,7 @@ class Windows:
 
 
 def stretches(
-    performances: Sequence[Performance], settings: FitSettings
+    performances: Sequence[Performance], settings: TrainingSettings
 ) -> tuple[list[Performance], list[Performance]]:
     """Split takes into stretches to learn from and blocks that are held out.
 

@@ -21,7 +21,7 @@ from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.lab.training import expressions
 from faceedit_app.lab.training.expressions import Event
 from faceedit_app.lab.training.eyes import Blink, Gaze
-from faceedit_app.lab.training.phonemes import PAUSE, Phoneme, parse, with_durations
+from faceedit_app.lab.training.phonemes import PAUSE, StressedPhoneme, parse, with_durations
 from faceedit_app.lab.training.speech import Speaker, perform
 from faceedit_app.lab.training.synthesis import write_livelink
 
@@ -66,7 +66,7 @@ EVENTS = (
 class Timed:
     """The phonemes of the take and how strongly each is said."""
 
-    phonemes: tuple[Phoneme, ...]
+    phonemes: tuple[StressedPhoneme, ...]
     strengths: tuple[float, ...]
 
     def span(self, index: int) -> tuple[float, float]:
@@ -83,8 +83,8 @@ class Timed:
 def script() -> Timed:
     """The phonemes and their times."""
     first, second = (with_durations(parse(text), TEMPO) for text in TRANSCRIPTIONS)
-    phonemes = [Phoneme(PAUSE, 0.70), *first, Phoneme(PAUSE, 0.62), *second]
-    phonemes.append(Phoneme(PAUSE, max(0.5, SECONDS - sum(p.seconds for p in phonemes))))
+    phonemes = [StressedPhoneme(PAUSE, 0.70), *first, StressedPhoneme(PAUSE, 0.62), *second]
+    phonemes.append(StressedPhoneme(PAUSE, max(0.5, SECONDS - sum(p.seconds for p in phonemes))))
     strengths = [(0.95, 1.0, 1.05)[p.stress] for p in phonemes]
     return Timed(tuple(phonemes), tuple(strengths))
 

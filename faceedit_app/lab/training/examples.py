@@ -25,7 +25,7 @@ from faceedit_app.lab.training.data import (
     region_windows,
     stretches,
 )
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 from faceedit_app.lab.training.variety import play, split_sides
 from faceedit_app.networks.description import Description, Natural
 from faceedit_app.networks.made_for import MadeFor
@@ -56,7 +56,7 @@ class Examples:
         region: Region,
         performances: Sequence[Performance],
         rig: Rig,
-        settings: FitSettings,
+        settings: TrainingSettings,
     ) -> None:
         self.region, self.rig, self.settings = region, rig, settings
         self.distances = rig.arkit_distances

@@ -24,9 +24,9 @@ from faceedit_app.lab.training.architectures import ARCHITECTURES, Stacked
 from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.loop import Checkpoint, History, learn
-from faceedit_app.lab.training.losses import Batch, Losses, salt_and_pepper
+from faceedit_app.lab.training.losses import Losses, WindowBatch, salt_and_pepper
 from faceedit_app.lab.training.model_files import TrainedRegion
-from faceedit_app.lab.training.settings import FitSettings, as_json
+from faceedit_app.lab.training.settings import TrainingSettings, as_json
 
 REGRESSOR, AUTOENCODER = 1, 2
 
@@ -44,7 +44,7 @@ class Epoch:
 
 
 @dataclass
-class Fitted:
+class FittedRegion:
     """A region's model and what the held-out windows say about it.
 
     Attributes:
@@ -70,11 +70,11 @@ def fit_region(
     region: Region,
     performances: Sequence[Performance],
     rig: Rig,
-    settings: FitSettings,
+    settings: TrainingSettings,
     report: Callable[[Epoch], None] = lambda epoch: None,
     start: TrainedRegion | None = None,
     checkpoints: Path | None = None,
-) -> Fitted:
+) -> FittedRegion:
     """Train a region's regressor, then its autoencoder behind the frozen regressor.
 
     Args:
@@ -103,7 +103,7 @@ def fit_region(
             losses.system if number == AUTOENCODER else losses.regressor,
             lambda epoch: examples.epoch(1000 * number + epoch),
             examples.validation,
-            Batch.of,
+            WindowBatch.of,
             of,
             settings,
             number,
@@ -140,7 +140,7 @@ def _behind_the_regressor(networks: Stacked) -> nn.Module:
 def fingerprint(
     performances: Sequence[Performance],
     distances: Distances,
-    settings: FitSettings,
+    settings: TrainingSettings,
     start: TrainedRegion | None = None,
 ) -> str:
     """A text that is the same for the same takes, controls, settings and beginning."""
@@ -157,7 +157,7 @@ def fingerprint(
 
 
 def _networks(
-    region: Region, examples: Examples, settings: FitSettings, start: TrainedRegion | None
+    region: Region, examples: Examples, settings: TrainingSettings, start: TrainedRegion | None
 ) -> Stacked:
     if start is not None:
         networks = copy.deepcopy(start.networks).requires_grad_(True)
@@ -172,14 +172,14 @@ def _networks(
 
 def _forward(
     networks: Stacked,
-    settings: FitSettings,
+    settings: TrainingSettings,
     bounds: Sequence[np.ndarray[tuple[int], np.dtype[np.float64]]],
     system: bool,
-) -> Callable[[Batch, torch.Generator | None], Tensor]:
+) -> Callable[[WindowBatch, torch.Generator | None], Tensor]:
     """What a stage computes; the full system sees noise while it learns."""
     low, high = (torch.from_numpy(np.asarray(x, np.float32)) for x in bounds)
 
-    def forward(batch: Batch, random: torch.Generator | None) -> Tensor:
+    def forward(batch: WindowBatch, random: torch.Generator | None) -> Tensor:
         controls = batch.controls
         if not system:
             return networks.regress(controls)
@@ -192,11 +192,11 @@ def _forward(
 
 def _judge(
     model: TrainedRegion, losses: Losses, examples: Examples, histories: dict[str, History]
-) -> Fitted:
-    batch = Batch.of(examples.validation, np.arange(len(examples.validation)))
+) -> FittedRegion:
+    batch = WindowBatch.of(examples.validation, np.arange(len(examples.validation)))
     with torch.inference_mode():
         answers = model.networks.answers(batch.controls)
-        return Fitted(
+        return FittedRegion(
             model,
             {k: float(losses.mse(v, batch)) for k, v in answers.items()},
             {k: float(losses.control_error(v, batch).abs().median()) for k, v in answers.items()},

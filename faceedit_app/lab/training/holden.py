@@ -18,9 +18,9 @@ from faceedit_app.lab.training.data import Performance
 from faceedit_app.lab.training.examples import Examples
 from faceedit_app.lab.training.fit import Epoch, fingerprint
 from faceedit_app.lab.training.loop import Checkpoint, History, learn
-from faceedit_app.lab.training.losses import Batch, Losses
+from faceedit_app.lab.training.losses import Losses, WindowBatch
 from faceedit_app.lab.training.model_files import TrainedRegion
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 
 FOLDER = "holden"
 """Below a folder of models: the baseline's files, one a region."""
@@ -30,7 +30,7 @@ def fit_holden(
     region: Region,
     performances: Sequence[Performance],
     rig: Rig,
-    settings: FitSettings,
+    settings: TrainingSettings,
     report: Callable[[Epoch], None] = lambda epoch: None,
     checkpoints: Path | None = None,
 ) -> tuple[TrainedRegion, dict[str, History]]:
@@ -60,7 +60,7 @@ def fit_holden(
             losses.mse,
             lambda epoch, number=number: examples.epoch(1000 * number + epoch),  # type: ignore[misc]
             examples.validation,
-            Batch.of,
+            WindowBatch.of,
             of,
             settings,
             number,

@@ -17,7 +17,7 @@ from torch import Tensor, nn
 
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.atomic import write_atomically
-from faceedit_app.lab.training.settings import FitSettings
+from faceedit_app.lab.training.settings import TrainingSettings
 
 State = dict[str, Tensor]
 E = TypeVar("E", bound=Sized)  # examples
@@ -102,7 +102,7 @@ def _below(prefix: str, tensors: State) -> State:
     return {k.removeprefix(prefix): v for k, v in tensors.items() if k.startswith(prefix)}
 
 
-def rate(settings: FitSettings, epochs: int, held: Sequence[float]) -> float:
+def rate(settings: TrainingSettings, epochs: int, held: Sequence[float]) -> float:
     """The learning rate of the next epoch, after held-out losses `held`.
 
     A cosine from `learning_rate` to its share `final_rate`; or, as in the paper, a factor `decay`
@@ -128,7 +128,7 @@ def learn(
     validation: E,
     batch_of: Callable[[E, Indices], B],
     epochs: int,
-    settings: FitSettings,
+    settings: TrainingSettings,
     stage: int,
     checkpoint: Checkpoint | None = None,
     report: Callable[[int, float, float], None] = lambda number, loss, held: None,
@@ -193,7 +193,7 @@ def _learn_epoch(
     windows: E,
     batch_of: Callable[[E, Indices], B],
     chance: np.random.Generator,
-    settings: FitSettings,
+    settings: TrainingSettings,
     optimiser: torch.optim.Optimizer,
 ) -> float:
     """Learn from all windows once, in random order; the loss."""

@@ -50,7 +50,7 @@ _ESPEAK: dict[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class Phoneme:
+class StressedPhoneme:
     """One speech sound in time.
 
     Attributes:
@@ -64,14 +64,14 @@ class Phoneme:
     stress: int = 0
 
 
-def parse(transcription: str) -> tuple[Phoneme, ...]:
+def parse(transcription: str) -> tuple[StressedPhoneme, ...]:
     """Phonemes of a transcription in espeak-ng's mnemonics (`espeak-ng -x --sep=_`).
 
     Words are parted by spaces, phonemes by `_`, clauses by line ends; `'` marks primary and
     `,` secondary stress. Unknown symbols are left out: a mouth can do without one. Durations
     are still 0, see `with_durations`.
     """
-    out: list[Phoneme] = []
+    out: list[StressedPhoneme] = []
     for clause in transcription.splitlines():
         tokens = [token for word in clause.split() for token in word.split("_")]
         stress = 0
@@ -81,16 +81,18 @@ def parse(transcription: str) -> tuple[Phoneme, ...]:
             symbols = _ESPEAK.get(name, (name,))
             for symbol in symbols:
                 if symbol in VOWELS:
-                    out.append(Phoneme(symbol, stress=stress))
+                    out.append(StressedPhoneme(symbol, stress=stress))
                     stress = 0
                 elif symbol in CONSONANTS:
-                    out.append(Phoneme(symbol))
+                    out.append(StressedPhoneme(symbol))
         if out and out[-1].symbol != PAUSE:
-            out.append(Phoneme(PAUSE))
+            out.append(StressedPhoneme(PAUSE))
     return tuple(out[:-1]) if out and out[-1].symbol == PAUSE else tuple(out)
 
 
-def with_durations(phonemes: tuple[Phoneme, ...], tempo: float = 1.0) -> tuple[Phoneme, ...]:
+def with_durations(
+    phonemes: tuple[StressedPhoneme, ...], tempo: float = 1.0
+) -> tuple[StressedPhoneme, ...]:
     """The same phonemes with durations, in seconds; `tempo` 1.2 is a fifth faster than 1."""
     out = []
     for i, phoneme in enumerate(phonemes):
@@ -100,7 +102,7 @@ def with_durations(phonemes: tuple[Phoneme, ...], tempo: float = 1.0) -> tuple[P
     return tuple(out)
 
 
-def transcribe(text: str, tempo: float = 1.0, voice: str = "en-us") -> tuple[Phoneme, ...]:
+def transcribe(text: str, tempo: float = 1.0, voice: str = "en-us") -> tuple[StressedPhoneme, ...]:
     """Timed phonemes of an English text.
 
     Raises:
@@ -129,7 +131,9 @@ def _espeak(text: str, voice: str) -> str:
     return done.stdout.decode("utf-8", "replace")
 
 
-def _seconds(phoneme: Phoneme, before: str, after: str, rest: tuple[Phoneme, ...]) -> float:
+def _seconds(
+    phoneme: StressedPhoneme, before: str, after: str, rest: tuple[StressedPhoneme, ...]
+) -> float:
     if phoneme.symbol == PAUSE:
         return 0.22
     if phoneme.symbol in VOWELS:
@@ -144,7 +148,7 @@ def _seconds(phoneme: Phoneme, before: str, after: str, rest: tuple[Phoneme, ...
     return seconds * (1.35 if _ends_phrase(rest) else 1.0)
 
 
-def _ends_phrase(rest: tuple[Phoneme, ...]) -> bool:
+def _ends_phrase(rest: tuple[StressedPhoneme, ...]) -> bool:
     """Whether the first of `rest` is in the last syllable's rhyme before a pause or the end."""
     for phoneme in rest[1:]:
         if phoneme.symbol == PAUSE:

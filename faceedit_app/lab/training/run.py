@@ -22,12 +22,12 @@ from faceedit_app.lab.training.card import CARD, model_card
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.completion import fit_completion, is_completed, save_completion
 from faceedit_app.lab.training.data import Performance, load_performances
-from faceedit_app.lab.training.fit import Epoch, Fitted, fit_region
+from faceedit_app.lab.training.fit import Epoch, FittedRegion, fit_region
 from faceedit_app.lab.training.holden import FOLDER, fit_holden
 from faceedit_app.lab.training.loop import History
 from faceedit_app.lab.training.model_files import TrainedRegion, load_trained, save_trained
 from faceedit_app.lab.training.processes import Processes
-from faceedit_app.lab.training.settings import RECIPES, FitSettings
+from faceedit_app.lab.training.settings import RECIPES, TrainingSettings
 from faceedit_app.networks.completion import FOLDER as FOLDER_OF_COMPLETION
 from faceedit_app.networks.engine import ENDING
 
@@ -73,7 +73,7 @@ class TrainingPlan:
     fresh: bool = False
 
     @property
-    def settings(self) -> FitSettings:
+    def settings(self) -> TrainingSettings:
         """The recipe with what the plan changes.
 
         Raises:
@@ -183,11 +183,11 @@ def _make_folders(plan: TrainingPlan) -> None:
 class _Trained:
     """What one process has trained: networks, and the losses of baselines by region."""
 
-    fitted: list[Fitted] = dataclasses.field(default_factory=list)
+    fitted: list[FittedRegion] = dataclasses.field(default_factory=list)
     baselines: dict[str, dict[str, History]] = dataclasses.field(default_factory=dict)
 
 
-def _joined(parts: Sequence[_Trained]) -> list[Fitted]:
+def _joined(parts: Sequence[_Trained]) -> list[FittedRegion]:
     """All networks in the order of the regions, with the losses of their baselines."""
     fitted = {one.model.description.region: one for part in parts for one in part.fitted}
     for part in parts:
@@ -203,17 +203,17 @@ class _Work:
     region: Region
     performances: Sequence[Performance]
     rig: Rig
-    settings: FitSettings
+    settings: TrainingSettings
     report: Report
     output: Path
 
-    def networks(self, start: TrainedRegion | None) -> Fitted:
+    def networks(self, start: TrainedRegion | None) -> FittedRegion:
         """Train and save the networks, from others or from scratch."""
         result = fit_region(*self._what, self.report, start, self.output / CHECKPOINTS)
         save_trained(self.output / f"{self.region.id}{ENDING}", result.model)
         return result
 
-    def completion(self, begin: Path | None, fitted: Fitted) -> Path | None:
+    def completion(self, begin: Path | None, fitted: FittedRegion) -> Path | None:
         """Train and save the network that completes requests; fine-tuning takes it over.
 
         What its training says is added to `fitted`.
@@ -244,7 +244,7 @@ class _Work:
         return histories
 
     @property
-    def _what(self) -> tuple[Region, Sequence[Performance], Rig, FitSettings]:
+    def _what(self) -> tuple[Region, Sequence[Performance], Rig, TrainingSettings]:
         return self.region, self.performances, self.rig, self.settings
 
 
@@ -254,7 +254,7 @@ def _beginnings(folder: Path | None) -> dict[str, TrainedRegion]:
     return {r.id: load_trained(folder / f"{r.id}{ENDING}") for r in REGIONS}
 
 
-def _epochs(settings: FitSettings, region: Region, baseline: bool) -> int:
+def _epochs(settings: TrainingSettings, region: Region, baseline: bool) -> int:
     once = settings.epochs_regressor + settings.epochs_autoencoder
     completion = settings.epochs_completion if is_completed(region) else 0
     return once * (2 if baseline else 1) + completion
@@ -272,7 +272,7 @@ def _reporter(progress: Progress, label: str, total: int) -> Report:
     return report
 
 
-def losses_chart(fitted: Sequence[Fitted]) -> str:
+def losses_chart(fitted: Sequence[FittedRegion]) -> str:
     """Held-out loss of each network over the epochs, as SVG."""
 
     def line(region: str, stage: str, history: History) -> Line:

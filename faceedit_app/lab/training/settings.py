@@ -49,7 +49,7 @@ FEW = 2
 
 
 @dataclass(frozen=True)
-class FitSettings:
+class TrainingSettings:
     """Every number of the training. Those of the paper are marked (P)."""
 
     window: int = 64  # frames at 25 fps (P)
@@ -90,7 +90,7 @@ class FitSettings:
             return self.widths
         return self.narrow_widths
 
-    def with_epochs(self, epochs: int) -> FitSettings:
+    def with_epochs(self, epochs: int) -> TrainingSettings:
         """The same with other numbers of passes over the data; completion, if any, needs more."""
         completion = COMPLETION_PASSES * epochs if self.epochs_completion else 0
         return dataclasses.replace(
@@ -101,9 +101,9 @@ class FitSettings:
         )
 
 
-RECIPES: dict[str, FitSettings] = {
-    "faceedit": FitSettings(narrow_widths=(16, 32, 64)),
-    "paper": FitSettings(
+RECIPES: dict[str, TrainingSettings] = {
+    "faceedit": TrainingSettings(narrow_widths=(16, 32, 64)),
+    "paper": TrainingSettings(
         batch=128,
         final_rate=None,
         epochs_completion=0,
@@ -120,7 +120,7 @@ RECIPES: dict[str, FitSettings] = {
 """`faceedit`: what ships. `paper`: Berson et al. 2019, section 3; mirrored, for we have less."""
 
 
-def as_json(settings: FitSettings) -> dict[str, Any]:
+def as_json(settings: TrainingSettings) -> dict[str, Any]:
     """The settings as plain JSON values, for model cards and checkpoints."""
     plain: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(settings)))
     return plain

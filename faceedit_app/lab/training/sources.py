@@ -10,16 +10,18 @@ import numpy as np
 
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.training.data import source_of, take_paths
-from faceedit_app.lab.training.statistics import Take
+from faceedit_app.lab.training.statistics import TimedWeights
 
 
-def by_source(folders: Sequence[Path], exclude: Sequence[str] = ()) -> dict[str, list[Take]]:
+def by_source(
+    folders: Sequence[Path], exclude: Sequence[str] = ()
+) -> dict[str, list[TimedWeights]]:
     """Takes below some folders (or single files) by their source, each file once.
 
     Raises:
         FileError: a folder is missing or holds no take, or a take cannot be read.
     """
-    takes: dict[str, list[Take]] = defaultdict(list)
+    takes: dict[str, list[TimedWeights]] = defaultdict(list)
     seen: set[Path] = set()
     for folder in folders:
         for path in take_paths(folder, exclude):

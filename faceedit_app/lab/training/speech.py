@@ -15,7 +15,13 @@ from scipy.ndimage import gaussian_filter1d
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.lab.training import expressions, eyes
-from faceedit_app.lab.training.phonemes import PAUSE, VOWELS, Phoneme, transcribe, with_durations
+from faceedit_app.lab.training.phonemes import (
+    PAUSE,
+    VOWELS,
+    StressedPhoneme,
+    transcribe,
+    with_durations,
+)
 from faceedit_app.lab.training.sentences import SENTENCES
 from faceedit_app.lab.training.visemes import ARTICULATOR_INDEX, ARTICULATORS, articulate
 
@@ -129,7 +135,7 @@ def synthesize(
     seconds: float,
     seed: int,
     rate: float = 60.0,
-    utterances: Sequence[Sequence[Phoneme]] | None = None,
+    utterances: Sequence[Sequence[StressedPhoneme]] | None = None,
     speaker: Speaker | None = None,
 ) -> tuple[Doubles, Floats]:
     """A performance: sentences in random order, with pauses, until the time is over.
@@ -169,7 +175,7 @@ def perform(
     times: Times,
     rng: np.random.Generator,
     speaker: Speaker,
-    phonemes: Sequence[Phoneme],
+    phonemes: Sequence[StressedPhoneme],
     strengths: Sequence[float],
     events: Sequence[expressions.Event],
     gazes: Sequence[eyes.Gaze],
@@ -212,10 +218,10 @@ def _script(
     rng: np.random.Generator,
     seconds: float,
     speaker: Speaker,
-    utterances: Sequence[Sequence[Phoneme]],
-) -> tuple[list[Phoneme], list[float], list[expressions.Event]]:
+    utterances: Sequence[Sequence[StressedPhoneme]],
+) -> tuple[list[StressedPhoneme], list[float], list[expressions.Event]]:
     """Phonemes one after the other, pauses included, how strongly each is said, and gestures."""
-    phonemes = [Phoneme(PAUSE, float(rng.uniform(0.2, 1.0)))]
+    phonemes = [StressedPhoneme(PAUSE, float(rng.uniform(0.2, 1.0)))]
     strengths, gestures = [1.0], []
     time = phonemes[0].seconds
     order: list[int] = []
@@ -238,14 +244,14 @@ def _script(
             length = float(rng.uniform(0.7, 2.2))
             gestures.append(expressions.draw_gesture(rng, time + 0.1, length))
             pause = max(pause, length + 0.2)
-        phonemes.append(Phoneme(PAUSE, pause))
+        phonemes.append(StressedPhoneme(PAUSE, pause))
         strengths.append(1.0)
         time += pause
     return phonemes, strengths, gestures
 
 
 def _brow_beats(
-    rng: np.random.Generator, phonemes: Sequence[Phoneme], speaker: Speaker
+    rng: np.random.Generator, phonemes: Sequence[StressedPhoneme], speaker: Speaker
 ) -> list[expressions.Event]:
     """Small raises or knits of the brows on stressed vowels."""
     out, time = [], 0.0

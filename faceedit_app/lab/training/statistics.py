@@ -16,7 +16,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
 from faceedit_app.core.regions import LOWER, MODELLED_CHANNELS
 
-Take = tuple[Doubles, Floats]
+TimedWeights = tuple[Doubles, Floats]
 """Times (T,) in seconds and weights (T, 52) in ARKit order."""
 
 RATE = 25.0
@@ -49,7 +49,7 @@ STD_CHANNELS: tuple[str, ...] = tuple(c for c in MODELLED_CHANNELS if not c.ends
 
 
 @dataclass(frozen=True)
-class TakeStatistics:
+class MotionStatistics:
     """What `measure` found.
 
     Attributes:
@@ -86,7 +86,7 @@ class TakeStatistics:
     correlations: dict[tuple[str, str], float]
 
 
-def measure(takes: Iterable[Take]) -> TakeStatistics:
+def measure(takes: Iterable[TimedWeights]) -> MotionStatistics:
     """Figures of a set of takes of one person, each centred on its own mean for the shapes.
 
     Raises:
@@ -111,7 +111,7 @@ def measure(takes: Iterable[Take]) -> TakeStatistics:
     above4, above8 = _high_shares(slow, MODELLED_CHANNELS)
     moving = centred.std(axis=0) > 1e-3
     speeds = np.mean([np.abs(np.diff(w, axis=0)).mean(axis=0) for w in slow], axis=0) * RATE
-    return TakeStatistics(
+    return MotionStatistics(
         seconds=seconds,
         speaking_share=spoken / seconds,
         jaw_peaks=len(heights) / spoken,
@@ -131,7 +131,7 @@ def measure(takes: Iterable[Take]) -> TakeStatistics:
 
 
 def spectrum(
-    takes: Iterable[Take], channels: Sequence[str] = MOUTH_CHANNELS, segment: float = 2.56
+    takes: Iterable[TimedWeights], channels: Sequence[str] = MOUTH_CHANNELS, segment: float = 2.56
 ) -> tuple[Doubles, Doubles]:
     """How fast some channels move: Welch's spectrum over segments of some seconds.
 
@@ -155,7 +155,7 @@ def spectrum(
     return frequency, power
 
 
-def table(figures: Mapping[str, TakeStatistics]) -> str:
+def table(figures: Mapping[str, MotionStatistics]) -> str:
     """A plain text table: one column for each set of takes, one row for each figure."""
     columns = list(figures.values())
     rows: list[tuple[str, list[str]]] = [
@@ -191,7 +191,7 @@ def _median(values: Sequence[float]) -> float:
     return float(np.median(values)) if len(values) else float("nan")
 
 
-def _resampled(take: Take, rate: float) -> Doubles:
+def _resampled(take: TimedWeights, rate: float) -> Doubles:
     times, weights = take
     grid = np.arange(times[0], times[-1], 1.0 / rate)
     return np.stack([np.interp(grid, times, weights[:, k]) for k in range(weights.shape[1])], 1)

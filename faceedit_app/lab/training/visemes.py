@@ -20,7 +20,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.lab.training.phonemes import PAUSE, PHONEMES, VOWELS, Phoneme
+from faceedit_app.lab.training.phonemes import PAUSE, PHONEMES, VOWELS, StressedPhoneme
 
 ARTICULATORS: tuple[str, ...] = (
     "jawOpen",
@@ -168,7 +168,7 @@ class _Segment:
 
 
 def articulate(
-    phonemes: Sequence[Phoneme],
+    phonemes: Sequence[StressedPhoneme],
     rate: float,
     strengths: Sequence[float] | None = None,
     rest: Doubles | None = None,
@@ -208,7 +208,7 @@ def articulate(
     return np.maximum(blended, 0.0)
 
 
-def _segments(phoneme: Phoneme, start: float, strength: float) -> list[_Segment]:
+def _segments(phoneme: StressedPhoneme, start: float, strength: float) -> list[_Segment]:
     """The stretches of one target each: one, or two of a diphthong."""
     if phoneme.symbol in _GLIDES:
         first, second = (VISEMES[s] for s in _GLIDES[phoneme.symbol])

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from faceedit_app.live.protocols import Protocol
     from faceedit_app.media.film_writer import FilmFormat
 
-Choice = TypeVar("Choice")
+Picked = TypeVar("Picked")
 
 
 class Unsaved(Enum):
@@ -375,7 +375,7 @@ def _insists(box: QMessageBox, risky: QPushButton, safe: QPushButton) -> bool:
     return _clicked(box) is risky
 
 
-def _choice(box: QMessageBox, choices: Mapping[QPushButton, Choice], cancel: Choice) -> Choice:
+def _choice(box: QMessageBox, choices: Mapping[QPushButton, Picked], cancel: Picked) -> Picked:
     """What the clicked button stands for; `cancel` for Cancel, which is added, and Esc."""
     box.setEscapeButton(box.addButton(QMessageBox.StandardButton.Cancel))
     clicked = _clicked(box)

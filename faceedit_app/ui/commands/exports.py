@@ -11,7 +11,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.film_export import FilmExport
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
+from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
 
 if TYPE_CHECKING:
     from faceedit_app.editing.exporting import Exported, Options, OutFormat
@@ -96,7 +96,7 @@ class Exports:
             lines = [*written.said("View > Follow the head"), *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)
 
-        def write(_advance: Advance, stopped: Stopped) -> Exported:
+        def write(_advance: Advance, stopped: IsStopped) -> Exported:
             return export_take(take, edited, path, form, options, stopped)
 
         self._workspace.message.emit(f"Exporting {path.name}…")

@@ -24,7 +24,7 @@ from faceedit_app.editing.files.project import (
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.time_display import Unit
 
 
 def save(workspace: Workspace, path: Path) -> None:
@@ -41,7 +41,7 @@ def view_of(workspace: Workspace) -> ViewState:
     line = workspace.timeline
     window = {
         "falloff_out": line.own_falloffs[1],
-        "unit": line.clock.chosen.value,
+        "unit": line.display.chosen.value,
         "mirror_film": workspace.media.mirrored,
     }
     return ViewState(line.time, line.view, line.own_selection, line.own_falloffs[0], window)
@@ -61,7 +61,7 @@ def restore_view(workspace: Workspace, view: ViewState) -> None:
     line.go_to_time(view.playhead)
     unit = view.ui.get("unit")
     if unit in list(Unit):
-        line.clock.choose(Unit(str(unit)))
+        line.display.choose(Unit(str(unit)))
     workspace.media.mirror(view.ui.get("mirror_film") is True)
 
 

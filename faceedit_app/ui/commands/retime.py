@@ -207,7 +207,7 @@ class RetimeCommands:
 
     def _ask_their_words(self, sound: Sound) -> None:
         """Ask what the other sound says; at first what the take says."""
-        from faceedit_app.ui.media.words_dialog import Place, WordsDialog
+        from faceedit_app.ui.media.words_dialog import SearchScope, WordsDialog
 
         session = self._document.session
         if session is None:
@@ -222,7 +222,7 @@ class RetimeCommands:
         dialog = WordsDialog(
             self._workspace.window,
             self._workspace.background,
-            lambda: Place(sound, 0.0, (sound.start, sound.end), None),
+            lambda: SearchScope(sound, 0.0, (sound.start, sound.end), None),
             session.words,
             choose,
             None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
+from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
 from faceedit_app.ui.look.texts import sentence
 
@@ -103,7 +103,7 @@ class SpliceCommands:
         take, shown, words = session.take, session.edited_clip(), session.words
         placement, filled = self._workspace.media.placement, session.filled_rows()
 
-        def write(advance: Advance, stopped: Stopped) -> Written:
+        def write(advance: Advance, stopped: IsStopped) -> Written:
             def progress(share: float) -> bool:
                 advance(round(_PARTS * share), _PARTS)
                 return not stopped()

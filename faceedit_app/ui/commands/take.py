@@ -17,7 +17,7 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.commands.writing import Advance, Stopped, Writing
+from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -139,11 +139,11 @@ class TakeCommands:
             return
         film, clip, edited = placed, session.take.clip, session.weights.copy()
 
-        def work(advance: Advance, stopped: Stopped) -> tuple[Path, Path]:
+        def work(advance: Advance, stopped: IsStopped) -> tuple[Path, Path]:
             from faceedit_app.media.film import Film
-            from faceedit_app.tracking.side_by_side import Shown, write_side_by_side
+            from faceedit_app.tracking.side_by_side import SideBySide, write_side_by_side
 
-            shown = Shown.of_take(Film(film.path), stored, clip, film.offset, edited)
+            shown = SideBySide.of_take(Film(film.path), stored, clip, film.offset, edited)
             return write_side_by_side(output, shown, rig, advance, stopped)
 
         def done(written: tuple[Path, Path]) -> None:

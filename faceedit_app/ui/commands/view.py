@@ -15,7 +15,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.time_display import Unit
 
 if TYPE_CHECKING:  # comes with the page, after the first paint
     from faceedit_app.ui.curves import CurvesPanel
@@ -129,7 +129,7 @@ class ViewCommands:
     @property
     def unit(self) -> Unit:
         """The unit in which times are shown."""
-        return self._timeline.clock.unit
+        return self._timeline.display.unit
 
     @property
     def has_timecode(self) -> bool:
@@ -139,7 +139,7 @@ class ViewCommands:
 
     def show_time_as(self, unit: Unit) -> None:
         """Show times in another unit."""
-        self._timeline.clock.choose(unit)
+        self._timeline.display.choose(unit)
 
     # --- the face ----------------------------------------------------------------------------
 

@@ -39,16 +39,16 @@ class WordCommands:
 
     def ask(self) -> None:
         """Ask for the words, and find when they are said."""
-        from faceedit_app.ui.media.words_dialog import Place, WordsDialog
+        from faceedit_app.ui.media.words_dialog import SearchScope, WordsDialog
 
         self._workspace.end_gestures()
         if self._document.session is None:
             return
 
-        def place() -> Place:
+        def place() -> SearchScope:
             media, line = self._workspace.media, self._timeline
             sound = media.sound
-            return Place(
+            return SearchScope(
                 sound.item if sound is not None else None,
                 self._offset,
                 (0.0, line.duration),

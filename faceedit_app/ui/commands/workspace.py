@@ -16,11 +16,11 @@ from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.undo import MediaSteps
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.background import Background
-from faceedit_app.ui.state.clock import Unit, shown_range, shown_time
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.preferences import Preferences
 from faceedit_app.ui.state.take_opener import TakeOpener
+from faceedit_app.ui.state.time_display import Unit, shown_range, shown_time
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 from faceedit_app.ui.state.unfinished import Unfinished
@@ -129,7 +129,7 @@ class Workspace(QObject):
 
     def shown_time(self, seconds: float) -> str:
         """A time in the unit in which times are shown."""
-        clip, unit = self.timeline.clip, self.timeline.clock.unit
+        clip, unit = self.timeline.clip, self.timeline.display.unit
         if clip is None:
             return ""
         shown = shown_time(clip, seconds, unit)
@@ -139,13 +139,13 @@ class Workspace(QObject):
     def length_unit(self) -> tuple[str, float]:
         """The unit in which lengths of time are asked for, and how many of it are a second."""
         clip = self.timeline.clip
-        if clip is None or not self.timeline.clock.counts_frames:
+        if clip is None or not self.timeline.display.counts_frames:
             return "s", 1.0
         return "frames", clip.rate
 
     def shown_range(self, start: float, end: float) -> str:
         """A time range in the unit in which times are shown."""
-        clip, unit = self.timeline.clip, self.timeline.clock.unit
+        clip, unit = self.timeline.clip, self.timeline.display.unit
         return shown_range(clip, start, end, unit) if clip is not None else ""
 
     def open_character(

@@ -16,7 +16,7 @@ from faceedit_app.ui.look.texts import plain_label
 
 Result = TypeVar("Result")
 Advance = Callable[[int, int], None]  # is given how much is done, and of how much
-Stopped = Callable[[], bool]  # says whether to give up
+IsStopped = Callable[[], bool]  # says whether to give up
 
 _AFTER_MS = 300  # what takes no longer shows no progress
 _LONGEST = 80  # characters of what is being written
@@ -48,7 +48,7 @@ class Writing(QObject):
         self,
         name: str,
         doing: str,
-        work: Callable[[Advance, Stopped], Result],
+        work: Callable[[Advance, IsStopped], Result],
         done: Callable[[Result], None],
         failed: Callable[[Exception], None],
     ) -> None:

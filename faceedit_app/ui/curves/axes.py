@@ -22,9 +22,9 @@ from faceedit_app.ui.curves.ticks import (
 )
 from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.look.guard import guarded
-from faceedit_app.ui.state.clock import Clock, Unit, label
+from faceedit_app.ui.state.time_display import TimeDisplay, Unit, label
 
-Levels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
+TickLevels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
 
 _HALF_NUMBER = 6.0  # pixels: a value nearer to an edge has no room for its number
 _FINER = 0.3  # of a step: less than half, so that the next finer round number is found
@@ -64,7 +64,7 @@ class ValueAxis(pg.AxisItem):
         specs = super().generateDrawSpecs(painter)
         return None if specs is None else (specs[0], [], specs[2])
 
-    def tickValues(self, low: float, high: float, size: float) -> Levels:
+    def tickValues(self, low: float, high: float, size: float) -> TickLevels:
         """Round numbers, wide enough apart; a single level, without pyqtgraph's search for more.
 
         A low plot may have room for none of them; then it has a finer one near its middle.
@@ -172,9 +172,9 @@ class _InsideAxis(pg.AxisItem):
 class TimeAxis(_InsideAxis):
     """Times in the chosen unit."""
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, display: TimeDisplay) -> None:
         super().__init__(style.LABEL, _TICK, _TIME_OFFSET)
-        self._clock = clock
+        self._display = display
 
     def show_ticks(self, shown: bool) -> None:
         """Show or hide the ticks; the numbers stay in place."""
@@ -184,15 +184,15 @@ class TimeAxis(_InsideAxis):
 
     def tickSpacing(self, first: float, last: float, size: float) -> list[tuple[float, float]]:
         """Seconds between numbers, and between ticks."""
-        timecode = self._clock.unit is Unit.TIMECODE
+        timecode = self._display.unit is Unit.TIMECODE
         room = style.TIMECODE_SPACING if timecode else style.TIME_SPACING
         step, fine = time_steps((last - first) * room / size)
         return [(step, 0.0), (fine, 0.0)]
 
-    def tickValues(self, first: float, last: float, size: float) -> Levels:
+    def tickValues(self, first: float, last: float, size: float) -> TickLevels:
         """Round times, or the times of frames with round numbers."""
-        if self._clock.unit is not Unit.FRAMES or self.clip is None:
-            levels: Levels = super().tickValues(first, last, size)
+        if self._display.unit is not Unit.FRAMES or self.clip is None:
+            levels: TickLevels = super().tickValues(first, last, size)
             return levels
         view, closest = (first, last), _TICK_CLOSEST
         numbered, marked = frame_ticks(self.clip.times, view, size, style.TIME_SPACING, closest)
@@ -200,7 +200,7 @@ class TimeAxis(_InsideAxis):
 
     def tickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
         """The labels of times."""
-        unit = self._clock.unit
+        unit = self._display.unit
         if unit is Unit.SECONDS or self.clip is None:
             return [time_label(seconds, spacing) for seconds in values]
         return [label(self.clip, seconds, unit) for seconds in values]
@@ -218,7 +218,7 @@ class FrameAxis(_InsideAxis):
             return False
         return frame_spacing(self.clip.times, view, width) >= _FRAME_CLOSEST
 
-    def tickValues(self, first: float, last: float, size: float) -> Levels:
+    def tickValues(self, first: float, last: float, size: float) -> TickLevels:
         """The times of frames, with a number and without."""
         if self.clip is None:
             return []

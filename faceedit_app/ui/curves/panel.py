@@ -24,7 +24,7 @@ from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.range_bar import RangeBar
 from faceedit_app.ui.curves.range_fields import RangeFields
 from faceedit_app.ui.curves.readout import Readout
-from faceedit_app.ui.curves.rows import Rows
+from faceedit_app.ui.curves.rows import CurveRows
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.shown import ShownCurves
@@ -83,7 +83,7 @@ class CurvesPanel(QWidget):
         self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
         self.headers = [Header(control) for control in CONTROLS]
         self.group_head = GroupHead()
-        self._rows = Rows(self.headers, self.plots, self.group_head, self._grid.parentWidget())
+        self._rows = CurveRows(self.headers, self.plots, self.group_head, self._grid.parentWidget())
         self._grid.addWidget(self._rows, 3, 0, 1, 3)
         self.shown = ShownCurves(self._rows, self.group_head, self)
         self.hand = FaceHand(self.plots, self._mouse, self.shown.reveal)

@@ -11,7 +11,7 @@ from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.time_box import TimeBox
 from faceedit_app.ui.look.number import NumberBox
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.time_display import Unit
 from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
 _LONGEST = 1e6
@@ -53,7 +53,7 @@ class RangeFields(QWidget):
             box.editingFinished.connect(self._leave_range)
         timeline.selection_changed.connect(self.sync)
         timeline.falloff_changed.connect(self.sync)
-        timeline.clock.changed.connect(self._show_unit)
+        timeline.display.changed.connect(self._show_unit)
         self._show_unit()
 
     def _caption(self, words: str) -> QLabel:
@@ -92,11 +92,11 @@ class RangeFields(QWidget):
     @property
     def _in_frames(self) -> bool:
         """Whether the numbers are frames, whatever is shown for them."""
-        return self._timeline.clock.counts_frames and self._timeline.clip is not None
+        return self._timeline.display.counts_frames and self._timeline.clip is not None
 
     def _show_unit(self) -> None:
         """Show times in seconds or frames, or as timecode."""
-        coded = self._in_frames and self._timeline.clock.unit is Unit.TIMECODE
+        coded = self._in_frames and self._timeline.display.unit is Unit.TIMECODE
         lengths = "frames" if self._in_frames else "seconds"
         times = "as timecode" if coded else f"in {lengths}"
         times += ", counted from 1" if self._in_frames and not coded else ""

@@ -14,7 +14,7 @@ from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.plot import CurvePlot
 
 
-class Rows(QScrollArea):
+class CurveRows(QScrollArea):
     """A header and a plot for each control; any of them may be hidden.
 
     Optional controls come last, under the head of their group.

@@ -17,7 +17,7 @@ from faceedit_app.ui.curves.marks import Gaps, Playhead, Spans, grip
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
-from faceedit_app.ui.state.clock import Unit, shown_time
+from faceedit_app.ui.state.time_display import Unit, shown_time
 from faceedit_app.ui.state.timeline import Timeline
 
 _NEAR_GAP = 4.0  # pixels from a gap within which its tooltip is shown
@@ -44,7 +44,7 @@ class Ruler(pg.GraphicsView, Mouse):
         self._spans = Spans(self.view)
         self._gap_marks, self._playhead = Gaps(_GAP_ALPHA), Playhead()
         self._grip = grip()
-        self.times, self.frames = TimeAxis(timeline.clock), FrameAxis()
+        self.times, self.frames = TimeAxis(timeline.display), FrameAxis()
         self.view.addItem(self._gap_marks, ignoreBounds=True)
         for axis, size in ((self.times, 0.88), (self.frames, 0.74)):
             axis.setStyle(tickFont=style.scaled_font(self, size))
@@ -57,7 +57,7 @@ class Ruler(pg.GraphicsView, Mouse):
         self.view.sigResized.connect(self._arrange)
         self.view.sigXRangeChanged.connect(self._show_frames)
         self.view.menu_asked.connect(lambda _x, _y, place: self.menu_asked.emit(place))
-        timeline.clock.changed.connect(self._renew)
+        timeline.display.changed.connect(self._renew)
         self.setFixedHeight(style.RULER_HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAcceptDrops(False)
@@ -100,7 +100,7 @@ class Ruler(pg.GraphicsView, Mouse):
     def _show_frames(self) -> None:
         """If frames are marked, hide the ticks of the times."""
         scale = self.current_scale
-        counted = self._timeline.clock.unit is Unit.FRAMES
+        counted = self._timeline.display.unit is Unit.FRAMES
         shown = not counted and self.frames.has_room(scale.view, scale.width)
         self.frames.setVisible(shown)
         self.times.show_ticks(not shown)
@@ -154,7 +154,7 @@ class Ruler(pg.GraphicsView, Mouse):
             for gap, (first, last) in zip(self._clip.gaps, self._gaps, strict=True):
                 if scale.x_of(first) - _NEAR_GAP <= x <= scale.x_of(last) + _NEAR_GAP:
                     plural = "s" if gap.missing > 1 else ""
-                    after = shown_time(self._clip, first, self._timeline.clock.unit)
+                    after = shown_time(self._clip, first, self._timeline.display.unit)
                     text = f"{gap.missing} frame{plural} missing after {after}"
                     QToolTip.showText(event.globalPos(), text, self)
                     return True

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, MAIN_CONTROLS, OPTIONAL_CONTROLS
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.curves.group_head import EDITED, GroupHead
-from faceedit_app.ui.curves.rows import Rows
+from faceedit_app.ui.curves.rows import CurveRows
 
 _MAIN, _OPTIONAL = frozenset(MAIN_CONTROLS), frozenset(OPTIONAL_CONTROLS)
 
@@ -25,7 +25,7 @@ class ShownCurves(QObject):
     changed = Signal()
     unfolded = Signal(bool)
 
-    def __init__(self, rows: Rows, head: GroupHead, parent: QObject | None = None) -> None:
+    def __init__(self, rows: CurveRows, head: GroupHead, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._rows, self._head = rows, head
         self._chosen = frozenset(CONTROL_IDS)  # not hidden by the user

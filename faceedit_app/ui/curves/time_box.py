@@ -6,7 +6,7 @@ from PySide6.QtGui import QValidator
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.ui.look.number import NumberBox
-from faceedit_app.ui.state.clock import Unit, label
+from faceedit_app.ui.state.time_display import Unit, label
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.typed_time import typed_frame
 
@@ -22,7 +22,7 @@ class TimeBox(NumberBox):
     def _clip(self) -> Clip | None:
         """The take, if its timecode is shown."""
         line = self._timeline
-        return line.clip if line.clock.unit is Unit.TIMECODE else None
+        return line.clip if line.display.unit is Unit.TIMECODE else None
 
     def textFromValue(self, value: float) -> str:
         """The timecode of the frame, or the number."""

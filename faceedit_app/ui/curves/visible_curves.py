@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from faceedit_app.characters.closure import CLOSING, Gaps
+from faceedit_app.characters.closure import CLOSING, Openings
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.extremes import Extremes, highest, lowest
 from faceedit_app.editing.session import EditSession
@@ -91,7 +91,7 @@ class VisibleCurves:
         self._session, self._live, self._seen = session, session.live, 0
         self._times = session.take.clip.times
         self._shown_rig = session.rig
-        self._gaps = (Gaps.of(session.rig),) * 2  # on our character, and on the one shown
+        self._gaps = (Openings.of(session.rig),) * 2  # on our character, and on the one shown
         every = range(session.tracked.shape[1])
         self._columns = list(every if columns is None else columns)
         self._places = {curve: place for place, curve in enumerate(self._columns)}
@@ -146,7 +146,7 @@ class VisibleCurves:
             return {}
         if self._shown_rig is not session.shown_rig:
             self._shown_rig = session.shown_rig
-            self._gaps = Gaps.of(session.rig), Gaps.of(session.shown_rig)
+            self._gaps = Openings.of(session.rig), Openings.of(session.shown_rig)
         ours, theirs = (gaps.measure(session.weights[self._rows]) for gaps in self._gaps)
         wider = theirs - ours
         shown = _widened((np.abs(wider) > WIDER).T)

@@ -22,7 +22,7 @@ IDLE_HINTS = {
 def length(timeline: Timeline, seconds: float, sign: str = "") -> str:
     """A length of time in the unit in which times are shown; `sign` may be `+`."""
     clip = timeline.clip
-    if clip is None or not timeline.clock.counts_frames:
+    if clip is None or not timeline.display.counts_frames:
         return f"{seconds:{sign}.2f} s"
     return f"{seconds * clip.rate:{sign}.1f} frames"
 

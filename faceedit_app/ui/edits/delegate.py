@@ -56,7 +56,7 @@ _NARROW = 470  # pixels below which the curves' names would leave the edit's no 
 Index = QModelIndex | QPersistentModelIndex
 
 
-class Part(Enum):
+class RowField(Enum):
     """What can be typed in a row."""
 
     NAME = "name"
@@ -71,7 +71,7 @@ class EditsDelegate(QStyledItemDelegate):
         edits: the part of a row that is edited next.
     """
 
-    edits = Part.NAME
+    edits = RowField.NAME
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
         """One line."""
@@ -193,20 +193,20 @@ class EditsDelegate(QStyledItemDelegate):
         return False
 
     @staticmethod
-    def _part_at(row: QRectF, x: float, ranged: float) -> Part:
+    def _part_at(row: QRectF, x: float, ranged: float) -> RowField:
         from_right = row.right() - x
         if from_right <= _STRENGTH + _RIGHT:
-            return Part.STRENGTH
-        return Part.RANGE if from_right <= _STRENGTH + ranged + _RIGHT + 8 else Part.NAME
+            return RowField.STRENGTH
+        return RowField.RANGE if from_right <= _STRENGTH + ranged + _RIGHT + 8 else RowField.NAME
 
     def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
         """A number field for the strength, a text field for name and range."""
-        if self.edits is Part.STRENGTH:
+        if self.edits is RowField.STRENGTH:
             box = QSpinBox(parent, maximum=STRONGEST, suffix=" %")
             box.setAccessibleName("Strength")
             return box
         field = QLineEdit(parent)
-        field.setAccessibleName("Range" if self.edits is Part.RANGE else "Name")
+        field.setAccessibleName("Range" if self.edits is RowField.RANGE else "Name")
         return field
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
@@ -215,7 +215,7 @@ class EditsDelegate(QStyledItemDelegate):
         if isinstance(editor, QSpinBox):
             editor.setValue(round(100 * edit.strength))
         elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
-            is_range = self.edits is Part.RANGE
+            is_range = self.edits is RowField.RANGE
             editor.setText(model.ends(edit) if is_range else index.data(Qt.ItemDataRole.EditRole))
             editor.selectAll()
 
@@ -224,7 +224,7 @@ class EditsDelegate(QStyledItemDelegate):
         place = model.index(index.row(), 0)
         if isinstance(editor, QSpinBox):
             model.setData(place, editor.value() / 100, STRENGTH)
-        elif isinstance(editor, QLineEdit) and self.edits is Part.NAME:
+        elif isinstance(editor, QLineEdit) and self.edits is RowField.NAME:
             model.setData(place, editor.text())
         elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
             edit = index.data(Qt.ItemDataRole.UserRole)
@@ -244,10 +244,10 @@ class EditsDelegate(QStyledItemDelegate):
     ) -> None:
         """Put the field over what it edits."""
         rect, right = QRect(option.rect), round(_STRENGTH + _RIGHT)
-        if self.edits is Part.STRENGTH:
+        if self.edits is RowField.STRENGTH:
             editor.setGeometry(rect.adjusted(rect.width() - right - 6, 0, 0, 0))
             return
-        if self.edits is Part.RANGE:
+        if self.edits is RowField.RANGE:
             when = index.data(COLUMNS)[0]
             ranged = range_width(QRectF(rect), option.fontMetrics, when)
             left = rect.width() - right - round(ranged) - 14

@@ -23,8 +23,8 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.texts import plain_tip
-from faceedit_app.ui.state.clock import Unit, label
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.time_display import Unit, label
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.typed_time import typed_range
 
@@ -120,7 +120,7 @@ class EditsModel(QAbstractListModel):
 
     def columns(self, edit: Edit) -> tuple[str, str, str]:
         """When an edit acts, on what, and how strongly, with times in the chosen unit."""
-        return columns(edit, self._timeline.clip, self._timeline.clock.unit)
+        return columns(edit, self._timeline.clip, self._timeline.display.unit)
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
         """Rename an edit, or switch it."""
@@ -179,7 +179,7 @@ class EditsModel(QAbstractListModel):
         line = self._timeline
         assert line.clip is not None
         (start, end), (first, last) = (
-            typed_range(line.clip, words, line.clock.unit, line.frame)
+            typed_range(line.clip, words, line.display.unit, line.frame)
             for words in (text, self.ends(edit))
         )
         start = edit.start if start == first else start
@@ -188,7 +188,7 @@ class EditsModel(QAbstractListModel):
 
     def ends(self, edit: Edit) -> str:
         """The range of an edit as it is typed, in the unit in which times are shown."""
-        clip, unit = self._timeline.clip, self._timeline.clock.unit
+        clip, unit = self._timeline.clip, self._timeline.display.unit
         if clip is not None and unit is not Unit.SECONDS:
             return " – ".join(label(clip, s, unit) for s in (edit.start, edit.end))
         last = clip.duration if clip is not None else math.inf

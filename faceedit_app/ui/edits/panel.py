@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.retime import reshaped
-from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, Part
+from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, RowField
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
@@ -67,7 +67,7 @@ class EditsPanel(QWidget):
         selection.selectionChanged.connect(self._sync)
         timeline.selection_changed.connect(self._other_range)
         timeline.falloff_changed.connect(self._other_falloff)
-        timeline.clock.changed.connect(self.list.viewport().update)
+        timeline.display.changed.connect(self.list.viewport().update)
         self.model.moving.connect(self._edit_moves)
         self.model.regrouped.connect(self._hide_rows)
         self.model.regrouped.connect(self._sync)
@@ -376,7 +376,7 @@ class EditsPanel(QWidget):
         """Let the user type another name."""
         if self.current is not None:
             self.list.setFocus()
-            self._delegate.edits = Part.NAME
+            self._delegate.edits = RowField.NAME
             self.list.edit(self.list.currentIndex())
 
     def move_edit(self, by: int) -> None:

@@ -15,14 +15,14 @@ from PySide6.QtGui import QPainter
 _log = logging.getLogger("faceedit")
 _reported: set[str] = set()
 
-Paint = TypeVar("Paint", bound=Callable[..., None])
+PaintMethod = TypeVar("PaintMethod", bound=Callable[..., None])
 
 
 class PaintError(Exception):
     """Something could not be painted; the text says what and why."""
 
 
-def guarded(paint: Paint) -> Paint:
+def guarded(paint: PaintMethod) -> PaintMethod:
     """A paint method that leaves its place empty if it fails, and reports that once.
 
     An exception in a paint event would come back with every repaint. The report waits until the

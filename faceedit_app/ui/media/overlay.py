@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # not needed before a tracked take is open
     from faceedit_app.tracking.landmark_file import StoredLandmarks
 
 
-class Overlay(QObject):
+class LandmarksOverlay(QObject):
     """Reads the landmarks beside a take.
 
     Attributes:

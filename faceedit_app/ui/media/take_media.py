@@ -13,7 +13,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside, offset_by_clock
-from faceedit_app.ui.media.overlay import Overlay
+from faceedit_app.ui.media.overlay import LandmarksOverlay
 from faceedit_app.ui.state.background import Background
 
 if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
@@ -21,8 +21,8 @@ if TYPE_CHECKING:  # these import PyAV, which is loaded with the first file
     from faceedit_app.media.sound import Sound
 
 Item = TypeVar("Item")
-Kind = Literal["sound", "film"]
-KINDS: tuple[Kind, ...] = ("film", "sound")
+MediaKind = Literal["sound", "film"]
+KINDS: tuple[MediaKind, ...] = ("film", "sound")
 _FAR = 24 * 3600.0  # seconds; the largest offset
 
 
@@ -89,13 +89,13 @@ class TakeMedia(QObject):
     def __init__(self, background: Background, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._background = background
-        self.overlay = Overlay(background, self)
+        self.overlay = LandmarksOverlay(background, self)
         self.sound: Placed[Sound] | None = None
         self.film: Placed[Film] | None = None
         self.base = Placement()
         self.is_held = self.mirrored = False
         # Files that are missing or still being read: saving must not lose them.
-        self._kept: dict[Kind, MediaFile] = {}
+        self._kept: dict[MediaKind, MediaFile] = {}
         self._began: float | None = None
         self._lead = 0.0
         self._found = ""  # message for when everything is read
@@ -106,7 +106,7 @@ class TakeMedia(QObject):
     def placement(self) -> Placement:
         """The sound and film, including those still being read, with their offsets."""
 
-        def kept(kind: Kind, placed: Placed[Any] | None) -> MediaFile | None:
+        def kept(kind: MediaKind, placed: Placed[Any] | None) -> MediaFile | None:
             return self._kept.get(kind) if placed is None else placed.kept
 
         return Placement(kept("sound", self.sound), kept("film", self.film))
@@ -152,8 +152,8 @@ class TakeMedia(QObject):
             beside_take: they were found, not chosen: each is placed by its clock, and one that
                 cannot be read is ignored.
         """
-        new: dict[Kind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
-        unread: list[tuple[Kind, MediaFile]] = []
+        new: dict[MediaKind, Placed[Any] | None] = {"sound": self.sound, "film": self.film}
+        unread: list[tuple[MediaKind, MediaFile]] = []
         for kind in KINDS:
             want, there = getattr(wanted, kind), new[kind]
             if getattr(self.placement, kind) == want:
@@ -180,7 +180,7 @@ class TakeMedia(QObject):
 
     # --- read --------------------------------------------------------------------------------
 
-    def _read(self, kind: Kind, entry: MediaFile, beside_take: bool) -> None:
+    def _read(self, kind: MediaKind, entry: MediaFile, beside_take: bool) -> None:
         """Read a file, and use it unless it is out of date by then."""
         path, job = entry.path, self._job
         if not path.is_file():
@@ -212,7 +212,7 @@ class TakeMedia(QObject):
 
         self._run(self._reader(kind, path), done, missed)
 
-    def _reader(self, kind: Kind, path: Path) -> Callable[[], Any]:
+    def _reader(self, kind: MediaKind, path: Path) -> Callable[[], Any]:
         job = self._job
 
         def read() -> Film | Sound | None:

@@ -39,7 +39,7 @@ _MOST_ASKED = 12  # unknown words at once; the others are asked for after these
 
 
 @dataclass(frozen=True)
-class Place:
+class SearchScope:
     """Where words are looked for.
 
     Attributes:
@@ -74,7 +74,7 @@ class WordsDialog(QDialog):
         self,
         parent: QWidget,
         background: Background,
-        place: Callable[[], Place],
+        place: Callable[[], SearchScope],
         present: Transcript | None,
         choose: Callable[[], Path | None],
         save: Callable[[], None] | None,
@@ -195,7 +195,7 @@ class WordsDialog(QDialog):
         wanted = place.selection if self.in_selection.isChecked() else None
 
         def work() -> Transcript:
-            said = lines or (aligning.Line(text),)
+            said = lines or (aligning.TextLine(text),)
             if place.sound is None:
                 if any(line.end is None for line in said):
                     raise FaceEditError("The take has no sound; add it, or open a file with times")

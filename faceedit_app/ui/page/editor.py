@@ -26,7 +26,7 @@ from faceedit_app.ui.media.words_row import WordsRow
 from faceedit_app.ui.page.channels_panel import ChannelsPanel
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.expressions import Expressions
-from faceedit_app.ui.page.first_steps import HintLayer, Step
+from faceedit_app.ui.page.first_steps import Card, HintLayer
 from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
@@ -205,9 +205,9 @@ class Editor(QWidget):
         self.side.unfold()
         self.lists.setCurrentWidget(self.problem_list)
 
-    def _first_steps(self) -> tuple[Step, ...]:
+    def _first_steps(self) -> tuple[Card, ...]:
         return (
-            Step(
+            Card(
                 "1  Drag a curve",
                 "Each curve is one movement of the face over time. Drag one up or down: the face"
                 " follows, and the rest of the take stays as it was. Esc cancels a drag;"
@@ -215,14 +215,14 @@ class Editor(QWidget):
                 (self.curves,),
                 (self.face,),
             ),
-            Step(
+            Card(
                 "2  Or let FaceEdit do it",
                 "Close lips, Blink and Smile take one click. Marks under the curves show problems:"
                 " lips that stay open, half blinks, shaking. Press ↓ to go to the next one and P"
                 " to preview a fix.",
                 (self.tool_bar, self.proposal),
             ),
-            Step(
+            Card(
                 "3  Change your mind, then export",
                 "Every edit is listed here. Select one to change its strength, switch it off or"
                 " delete it. Ctrl+S saves your work as a project; Ctrl+E exports the edited"

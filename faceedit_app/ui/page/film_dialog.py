@@ -12,21 +12,21 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.editing.filming import Shot, View
+from faceedit_app.editing.filming import FilmView, Shot
 from faceedit_app.formats.rates import COMMON_RATES
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.film_writer import FILM_FORMATS, FilmFormat
 from faceedit_app.ui.look.widgets import Choice
 
 _VIEWS = {
-    View.FACE: "The face",
-    View.BOTH: "Both faces: tracked and edited",
-    View.FILM: "The take's film beside the face",
-    View.FILM_ABOVE: "The take's film above the face",
-    View.FILM_BELOW: "The take's film below the face",
+    FilmView.FACE: "The face",
+    FilmView.BOTH: "Both faces: tracked and edited",
+    FilmView.FILM: "The take's film beside the face",
+    FilmView.FILM_ABOVE: "The take's film above the face",
+    FilmView.FILM_BELOW: "The take's film below the face",
 }
 _HEIGHTS = (720, 1080, 480, 1440)
-_ASPECTS = {View.FACE: 1.0, View.BOTH: 2.0, View.FILM: 16 / 9}
+_ASPECTS = {FilmView.FACE: 1.0, FilmView.BOTH: 2.0, FilmView.FILM: 16 / 9}
 _STACKED = 8 / 9  # two landscape pictures, one above the other
 _FASTEST = 60.0  # pictures per second that are offered
 _NOTES = {"mp4": "plays everywhere", "webm": "for the web", "png": "numbered, in a folder"}
@@ -90,7 +90,7 @@ class FilmDialog(QDialog):
     def shot(self) -> Shot:
         """What was chosen; the camera is left to the caller."""
         return Shot(
-            view=View(self.view.currentData()),
+            view=FilmView(self.view.currentData()),
             size=tuple(self.picture_size.currentData()),
             rate=self.rate.currentData(),
             form=self.chosen.key,
@@ -99,7 +99,7 @@ class FilmDialog(QDialog):
 
     def _offer_sizes(self) -> None:
         before = max(self.picture_size.currentIndex(), 0)
-        aspect = _ASPECTS.get(View(self.view.currentData()), _STACKED)
+        aspect = _ASPECTS.get(FilmView(self.view.currentData()), _STACKED)
         self.picture_size.clear()
         for height in _HEIGHTS:
             width = 2 * round(height * aspect / 2)

@@ -29,7 +29,7 @@ _CHANGES = QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Show, QEvent.Type.H
 
 
 @dataclass(frozen=True)
-class Step:
+class Card:
     """One card.
 
     Attributes:
@@ -56,7 +56,7 @@ class HintLayer(QWidget):
     began = Signal()
     closed = Signal()
 
-    def __init__(self, parent: QWidget, steps: Sequence[Step]) -> None:
+    def __init__(self, parent: QWidget, steps: Sequence[Card]) -> None:
         super().__init__(parent)
         self._steps, self.step = tuple(steps), 0
         self.setObjectName("hints")

@@ -30,7 +30,7 @@ from faceedit_app.ui.look.widgets import Choice, caption, context_menu, icon_but
 from faceedit_app.ui.page.problems_bar import NAMES, ProblemsBar
 from faceedit_app.ui.page.problems_model import AMOUNT, KIND, TIME, ProblemsModel
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.clock import shown_time
+from faceedit_app.ui.state.time_display import shown_time
 from faceedit_app.ui.state.timeline import Timeline
 
 _EVERYTHING = "All kinds"
@@ -106,7 +106,7 @@ class ProblemsList(QWidget):
         self.rows.stepped.connect(self._go)
         self.rows.customContextMenuRequested.connect(self._show_menu)
         bar.found.connect(self.sync)
-        timeline.clock.changed.connect(self._fill)
+        timeline.display.changed.connect(self._fill)
         self._shown: tuple[Problem, ...] | None = None
         self.sync()
 
@@ -153,7 +153,7 @@ class ProblemsList(QWidget):
 
     def _shown_time(self, seconds: float) -> str:
         clip = self._timeline.clip
-        return shown_time(clip, seconds, self._timeline.clock.unit) if clip is not None else ""
+        return shown_time(clip, seconds, self._timeline.display.unit) if clip is not None else ""
 
     def sync(self) -> None:
         """Show what was found, and which problem is at the playhead."""

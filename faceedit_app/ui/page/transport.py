@@ -14,8 +14,8 @@ from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Choice, bar_row, caption, icon_button
 from faceedit_app.ui.page.time_entry import TimeEntry
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.clock import Unit, times
 from faceedit_app.ui.state.playback import SPEEDS, Playback
+from faceedit_app.ui.state.time_display import Unit, times
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.typed_time import typed_frame
 
@@ -41,7 +41,7 @@ class Transport(QWidget):
         self.entry.ended.connect(lambda: self.window().setFocus())  # the window gets the keys again
         self._lay_out(actions)
         timeline.playhead_moved.connect(self._show_time)
-        timeline.clock.changed.connect(self._show_unit)
+        timeline.display.changed.connect(self._show_unit)
         playback.playing_changed.connect(lambda playing: self._play.setIcon(self._icons[playing]))
         self.set_clip(None)
 
@@ -99,7 +99,7 @@ class Transport(QWidget):
 
     def type_time(self) -> None:
         """Let the user type a time to go to, in the unit in which times are shown."""
-        clip, unit = self._clip, self._timeline.clock.unit
+        clip, unit = self._clip, self._timeline.display.unit
         if clip is None:
             return
 
@@ -113,7 +113,7 @@ class Transport(QWidget):
     def _show_unit(self) -> None:
         """Highlight the time in the ruler's unit."""
         for label, unit in zip(self._labels, _UNITS, strict=True):
-            label.show_chosen(unit is self._timeline.clock.unit)
+            label.show_chosen(unit is self._timeline.display.unit)
 
 
 class TimeLabel(QLabel):

@@ -125,7 +125,7 @@ class MainWindow(WindowBase):
             self.document.opened,
             self.document.changed,
             self.tools.changed,
-            self.timeline.clock.changed,
+            self.timeline.display.changed,
             self.playback.loop_changed,
             media.sound_changed,
             media.film_changed,

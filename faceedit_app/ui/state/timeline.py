@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.clip import Clip
-from faceedit_app.ui.state.clock import Clock
+from faceedit_app.ui.state.time_display import TimeDisplay
 
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
@@ -41,7 +41,7 @@ class Timeline(QObject):
         self._edits_falloffs = (0.0, 0.0)  # of the chosen edit, before they are changed
         self._is_own = False  # the user had selected the edit's hold
         self._before: tuple[float, float] | None = None  # the user's selection before the edit
-        self.clock = Clock(self)
+        self.display = TimeDisplay(self)
 
     @property
     def clip(self) -> Clip | None:
@@ -66,7 +66,7 @@ class Timeline(QObject):
     def open(self, clip: Clip) -> None:
         """Open another clip, at its start, all of it visible, nothing selected."""
         self._clip, self.frame = clip, 0
-        self.clock.follow(clip)
+        self.display.follow(clip)
         self.leave_edit()
         self.select(None)
         self.show_range(0.0, self.duration)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
 from faceedit_app.formats.timing import format_time
-from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.time_display import Unit
 
 _DAY = 24 * 3600.0
 _SECONDS = re.compile(r"(?:(?:(\d+):)?(\d+):)?(\d+(?:[.,]\d*)?|[.,]\d+)\s*s?", re.ASCII)

@@ -17,7 +17,7 @@ from faceedit_app.lab.evaluation.people.inpainting import measure_inpainting
 from faceedit_app.lab.evaluation.people.opened import Opened
 from faceedit_app.lab.evaluation.people.references import References
 from faceedit_app.lab.evaluation.people.restoration import measure_restoration
-from faceedit_app.lab.evaluation.people.sources import Source, Tracker, sources_of, with_weights
+from faceedit_app.lab.evaluation.people.sources import TakeSource, Tracker, sources_of, with_weights
 from faceedit_app.lab.evaluation.people.tally import Tally
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training.data import Performance, load_performances
@@ -40,7 +40,7 @@ class PeopleFigures:
     """
 
     tally: Tally = field(default_factory=Tally)
-    sources: list[Source] = field(default_factory=list)
+    sources: list[TakeSource] = field(default_factory=list)
     synthesised: int = 0
     notes: list[str] = field(default_factory=list)
 
@@ -133,7 +133,7 @@ def measure_people(
 
 
 def _pool(
-    source: Source, sources: Sequence[Source], synthesised: Sequence[Performance]
+    source: TakeSource, sources: Sequence[TakeSource], synthesised: Sequence[Performance]
 ) -> list[Performance]:
     """What the references learn from: other people, and synthesised takes."""
     pool = [p for other in sources if other is not source for p in other.performances]
@@ -144,7 +144,7 @@ def _pool(
 
 
 def _measure_gestures(
-    source: Source, rig: Rig, systems: Systems, learned: References, tally: Tally
+    source: TakeSource, rig: Rig, systems: Systems, learned: References, tally: Tally
 ) -> None:
     closures, blinks = Events(), Events()
     for take in source.takes:

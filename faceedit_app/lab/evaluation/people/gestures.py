@@ -61,7 +61,7 @@ SIDES = [
 
 
 @dataclass(frozen=True)
-class Gesture:
+class RepeatedEdit:
     """An edit made at several places of a take.
 
     Attributes:
@@ -88,7 +88,7 @@ WILD: dict[str, Wild] = {
 def repeated(
     opened: Opened, where: Bools, make: Callable[[float, float], Sequence[Edit]], hold: float,
     purpose: str,
-) -> Gesture:  # fmt: skip
+) -> RepeatedEdit:  # fmt: skip
     """The same gesture at up to `MOST` places.
 
     Args:
@@ -101,7 +101,7 @@ def repeated(
     room = inside(times, 0.6 + hold)
     starts = pick(random_for(opened.take, purpose), times, where & room, APART, MOST)
     edits = tuple(edit for start in starts for edit in make(start, start + hold))
-    return Gesture(edits, tuple(frames(times, start, start + hold) for start in starts))
+    return RepeatedEdit(edits, tuple(frames(times, start, start + hold) for start in starts))
 
 
 def own_closure(opening: Floats) -> float:

@@ -19,7 +19,7 @@ from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.take import Take
 from faceedit_app.lab.evaluation.people.opened import FACEEDIT, REAL, SPLICE
 from faceedit_app.lab.evaluation.people.places import frames, inside, pick, random_for
-from faceedit_app.lab.evaluation.people.sources import Source, with_weights
+from faceedit_app.lab.evaluation.people.sources import TakeSource, with_weights
 from faceedit_app.lab.evaluation.people.tally import Tally
 
 SECONDS = (0.5, 1.0, 2.0)  # of the stretches that are lost
@@ -33,7 +33,7 @@ JUMP, RESTORATION, MOVEMENT = (
 )
 
 
-def measure_inpainting(source: Source, rig: Rig, tally: Tally) -> None:
+def measure_inpainting(source: TakeSource, rig: Rig, tally: Tally) -> None:
     """Add the figures of each stretch of each take to a tally."""
     channels = [c for region in REGIONS for c in region.channels if source.captures(c)]
     columns = [ARKIT_INDEX[c] for c in channels]

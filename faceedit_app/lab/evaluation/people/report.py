@@ -45,7 +45,7 @@ TRACKERS = {Tracker.IPHONE: "iPhone", Tracker.FILM: "film", Tracker.OTHER: "othe
 
 
 @dataclass(frozen=True)
-class Shown:
+class FigureStyle:
     """How a figure is written.
 
     Attributes:
@@ -67,41 +67,43 @@ class Shown:
         return f"{round(self.scale * value, self.digits) + 0.0:.{self.digits}f}{self.unit}"
 
 
-def _error(label: str) -> Shown:
-    return Shown(f"restoration, {label}: mean squared weight error x 1000", 1000.0, 2)
+def _error(label: str) -> FigureStyle:
+    return FigureStyle(f"restoration, {label}: mean squared weight error x 1000", 1000.0, 2)
 
 
-def _share(label: str) -> Shown:
-    return Shown(label, 100.0, 0, " %")
+def _share(label: str) -> FigureStyle:
+    return FigureStyle(label, 100.0, 0, " %")
 
 
-FIGURES: dict[str, Shown] = {
+FIGURES: dict[str, FigureStyle] = {
     REAL_OR_EDITED: _share("real or edited: windows that a classifier gets right"),
     "closures.met": _share("closure met within 0.5 mm of the take's own"),
-    "closures.frown": Shown("closure: mouthFrown added"),
-    "closures.mouth_close": Shown("closure: mouthClose"),
+    "closures.frown": FigureStyle("closure: mouthFrown added"),
+    "closures.mouth_close": FigureStyle("closure: mouthClose"),
     "closures.events_tpr_at_fpr_05": _share("closures kept, at 5 % false ones"),
     "blinks.events_tpr_at_fpr_05": _share("blinks kept, at 5 % false ones"),
     "restoration.six": _error("all curves of the mouth"),
     "restoration.opening": _error("mouth opening only"),
     "restoration.half": _error("half amplitude, all curves of the mouth"),
     "restoration.lids": _error("eyelids"),
-    JUMP: Shown("in-painting: change of velocity at the ends, mm per frame"),
-    RESTORATION: Shown("in-painting: mean squared weight error x 1000", 1000.0, 2),
-    MOVEMENT: Shown("in-painting: change of a weight per frame x 1000", 1000.0, 2),
-    "smile.mouthSmile": Shown("smile of 3 mm: mouthSmile added"),
-    "smile.mouthStretch": Shown("smile of 3 mm: mouthStretch added"),
-    "smile.cheekSquint": Shown("smile of 3 mm: cheekSquint added"),
-    "smile.eyeSquint": Shown("smile of 3 mm: eyeSquint added"),
-    "smile.mouthDimple": Shown("smile of 3 mm: mouthDimple added"),
-    "asymmetry": Shown("symmetric request: largest difference of left and right", digits=4),
-    "smooth_roughness": Shown("Smooth: largest rise of a channel's second difference", digits=4),
-    "wild.distance": Shown("wild requests: distance from natural motion", digits=2),
+    JUMP: FigureStyle("in-painting: change of velocity at the ends, mm per frame"),
+    RESTORATION: FigureStyle("in-painting: mean squared weight error x 1000", 1000.0, 2),
+    MOVEMENT: FigureStyle("in-painting: change of a weight per frame x 1000", 1000.0, 2),
+    "smile.mouthSmile": FigureStyle("smile of 3 mm: mouthSmile added"),
+    "smile.mouthStretch": FigureStyle("smile of 3 mm: mouthStretch added"),
+    "smile.cheekSquint": FigureStyle("smile of 3 mm: cheekSquint added"),
+    "smile.eyeSquint": FigureStyle("smile of 3 mm: eyeSquint added"),
+    "smile.mouthDimple": FigureStyle("smile of 3 mm: mouthDimple added"),
+    "asymmetry": FigureStyle("symmetric request: largest difference of left and right", digits=4),
+    "smooth_roughness": FigureStyle(
+        "Smooth: largest rise of a channel's second difference", digits=4
+    ),
+    "wild.distance": FigureStyle("wild requests: distance from natural motion", digits=2),
 }
 
 
 @dataclass(frozen=True)
-class Aim:
+class PeopleGoal:
     """A goal for a figure: at most, or at least, so much; iPhone and film apart.
 
     Attributes:
@@ -140,14 +142,14 @@ class Aim:
 
 
 AIMS = (
-    Aim(REAL_OR_EDITED, beyond_splice=0.02),
-    Aim("closures.met", 0.95, 0.95, least=True),
-    Aim("closures.frown", 0.03, 0.03),
-    Aim("restoration.six", 0.9e-3, 2.2e-3),
-    Aim("restoration.opening", 2.5e-3, 9e-3, below=("ridge", "covariance")),
-    Aim("restoration.lids", 2.0e-3, 2.8e-3),
-    Aim("asymmetry", 1e-4, 1e-4),
-    Aim("smooth_roughness", 0.002, 0.002),
+    PeopleGoal(REAL_OR_EDITED, beyond_splice=0.02),
+    PeopleGoal("closures.met", 0.95, 0.95, least=True),
+    PeopleGoal("closures.frown", 0.03, 0.03),
+    PeopleGoal("restoration.six", 0.9e-3, 2.2e-3),
+    PeopleGoal("restoration.opening", 2.5e-3, 9e-3, below=("ridge", "covariance")),
+    PeopleGoal("restoration.lids", 2.0e-3, 2.8e-3),
+    PeopleGoal("asymmetry", 1e-4, 1e-4),
+    PeopleGoal("smooth_roughness", 0.002, 0.002),
 )
 
 

@@ -18,7 +18,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.lab.evaluation.people.opened import DAMAGED, Opened
 from faceedit_app.lab.evaluation.people.places import frames, inside, pick, random_for
 from faceedit_app.lab.evaluation.people.references import References, columns_of
-from faceedit_app.lab.evaluation.people.sources import Source, with_weights
+from faceedit_app.lab.evaluation.people.sources import TakeSource, with_weights
 from faceedit_app.lab.evaluation.people.tally import Tally
 from faceedit_app.lab.evaluation.systems import Systems
 
@@ -55,7 +55,7 @@ DAMAGES = (
 
 
 def measure_restoration(
-    source: Source, rig: Rig, systems: Systems, learned: References, tally: Tally
+    source: TakeSource, rig: Rig, systems: Systems, learned: References, tally: Tally
 ) -> None:
     """Add the mean squared error of each stretch, over the region's channels, to a tally.
 

@@ -40,7 +40,7 @@ class Tracker(StrEnum):
 
 
 @dataclass(frozen=True)
-class Source:
+class TakeSource:
     """The takes of one source, which stands for one person and tracker.
 
     Attributes:
@@ -97,7 +97,7 @@ def of_people(performances: Sequence[Performance]) -> list[Performance]:
 
 def sources_of(
     performances: Sequence[Performance], trained_on: Collection[str] = ()
-) -> tuple[list[Source], list[Performance]]:
+) -> tuple[list[TakeSource], list[Performance]]:
     """Group takes by source.
 
     Args:
@@ -122,7 +122,7 @@ def sources_of(
         takes = _some([_middle(take) for take, _ in pairs])
         kinds = {take.kind for take, _ in pairs}
         mine = tuple(performance for _, performance in pairs)
-        out.append(Source(name, _tracker(mine, kinds), takes, mine, name in trained_on))
+        out.append(TakeSource(name, _tracker(mine, kinds), takes, mine, name in trained_on))
     return out, synthesised
 
 

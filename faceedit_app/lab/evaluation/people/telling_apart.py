@@ -25,7 +25,7 @@ from faceedit_app.lab.evaluation.people.opened import SPLICE, Opened
 from faceedit_app.lab.evaluation.people.places import frames, gaps, random_for
 from faceedit_app.lab.evaluation.people.references import References
 from faceedit_app.lab.evaluation.people.restoration import swapped
-from faceedit_app.lab.evaluation.people.sources import Source
+from faceedit_app.lab.evaluation.people.sources import TakeSource
 from faceedit_app.lab.evaluation.systems import Systems
 
 FIGURE = "real_or_edited.accuracy"
@@ -149,7 +149,7 @@ def _with_one(inputs: Doubles) -> Doubles:
     return np.concatenate([inputs, np.ones((len(inputs), 1))], axis=1)
 
 
-def see(source: Source, rig: Rig, systems: Systems, learned: References) -> Seen:
+def see(source: TakeSource, rig: Rig, systems: Systems, learned: References) -> Seen:
     """Edit windows of a source by every system, and describe them."""
     numbers: list[int] = []
     real: list[Doubles] = []

@@ -15,7 +15,7 @@ import torch
 from torch import Tensor, nn
 
 if TYPE_CHECKING:
-    from faceedit_app.lab.training.settings import FitSettings
+    from faceedit_app.lab.training.settings import TrainingSettings
 
 
 class Architecture(nn.Module):
@@ -40,7 +40,7 @@ class Architecture(nn.Module):
 
     @classmethod
     @abstractmethod
-    def of(cls, controls: int, channels: int, settings: FitSettings) -> Self:
+    def of(cls, controls: int, channels: int, settings: TrainingSettings) -> Self:
         """Untrained networks."""
 
     @property

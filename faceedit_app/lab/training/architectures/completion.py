@@ -12,7 +12,7 @@ from faceedit_app.lab.training.architectures.unet import UNet
 from faceedit_app.networks.completion import FEATURES
 
 if TYPE_CHECKING:
-    from faceedit_app.lab.training.settings import FitSettings
+    from faceedit_app.lab.training.settings import TrainingSettings
 
 _DOUBT = -1.0  # what a new network answers, before the sigmoid: most takes are right
 
@@ -42,7 +42,7 @@ class CompletionUNet(Architecture):
             bias[0] = _DOUBT
 
     @classmethod
-    def of(cls, controls: int, channels: int, settings: FitSettings) -> Self:
+    def of(cls, controls: int, channels: int, settings: TrainingSettings) -> Self:
         """See `Architecture.of`; `controls` is the number C of curves, and so is `channels`."""
         return cls(
             FEATURES * controls, 1 + channels, settings.completion_widths, settings.activation

@@ -16,7 +16,7 @@ from torch.nn import functional as F
 from faceedit_app.lab.training.architectures.base import Architecture
 
 if TYPE_CHECKING:
-    from faceedit_app.lab.training.settings import FitSettings
+    from faceedit_app.lab.training.settings import TrainingSettings
 
 HIDDEN = 64  # features of the latent space, and of the regressor's first layer
 FILTER = 15  # frames; the original's 25 at our lower rate
@@ -40,7 +40,7 @@ class HoldenNetworks(Architecture):
         )
 
     @classmethod
-    def of(cls, controls: int, channels: int, settings: FitSettings) -> Self:
+    def of(cls, controls: int, channels: int, settings: TrainingSettings) -> Self:
         """See `Architecture.of`."""
         return cls(controls, channels)
 

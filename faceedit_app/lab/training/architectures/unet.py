@@ -16,7 +16,7 @@ from torch.nn import functional as F
 from faceedit_app.lab.training.architectures.base import Stacked
 
 if TYPE_CHECKING:
-    from faceedit_app.lab.training.settings import FitSettings
+    from faceedit_app.lab.training.settings import TrainingSettings
 
 
 # By the name in the settings. ONNX Runtime has no fast ELU: it takes a third of the networks' time,
@@ -112,7 +112,7 @@ class UNets(Stacked):
             nn.init.zeros_(self.autoencoder.out.bias)  # type: ignore[arg-type]
 
     @classmethod
-    def of(cls, controls: int, channels: int, settings: FitSettings) -> Self:
+    def of(cls, controls: int, channels: int, settings: TrainingSettings) -> Self:
         """See `Architecture.of`."""
         return cls(
             controls,

@@ -78,7 +78,7 @@ class Sample:
     seconds: float
 
 
-class Part:
+class TakeRegion:
     """One region of one take.
 
     Attributes:

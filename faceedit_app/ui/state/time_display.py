@@ -18,7 +18,7 @@ class Unit(StrEnum):
     TIMECODE = "timecode"
 
 
-class Clock(QObject):
+class TimeDisplay(QObject):
     """The unit in which times are shown.
 
     Attributes:
