@@ -21,3 +21,6 @@ Indices = NDArray[np.intp]
 
 Pixels = NDArray[np.uint8]
 """(height, width, channels) of a picture, top row first."""
+
+Samples = NDArray[np.int16]
+"""(samples, channels) of a sound, or (samples,) of one channel."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Samples
 from faceedit_app.core.atomic import keep_backup, keep_inputs, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError, Unavailable
@@ -27,7 +27,7 @@ from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned
-from faceedit_app.media.sound import Samples, Sound, read_sound, wav
+from faceedit_app.media.sound import Sound, read_sound, wav
 
 if TYPE_CHECKING:
     from faceedit_app.words.transcript import Transcript

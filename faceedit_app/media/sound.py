@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Samples
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.extremes import Extremes
 from faceedit_app.media.container import check, find_film, find_sound, opened, seconds
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from av.audio.stream import AudioStream
     from av.container import InputContainer
 
-Samples = NDArray[np.int16]
 
 FULL = 32768.0  # full scale of 16 bits, which need a quarter of the memory of float64
 BLOCK = 128  # samples in the smallest bin of the extremes

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from faceedit_app.core.arrays import Samples
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.words.denoising import (
     RATE,
     STEP,
-    Samples,
     Spoken,
     Stopped,
     frame_power,

@@ -14,14 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
-from faceedit_app.core.arrays import Doubles, Indices
+from faceedit_app.core.arrays import Doubles, Indices, Samples
 from faceedit_app.core.errors import FaceEditError
 
 RATE = 16_000  # samples per second of the acoustic model
 STEP = 0.01  # seconds of a frame
-Samples = NDArray[np.int16]
 
 _CLEAN = 29.0  # dB between loud and quiet frames; with less noise, sounds stay as they are
 _BLOCK = 60 * RATE  # samples, over which noise counts as steady

@@ -12,11 +12,12 @@ import pytest
 from support.places import SHARED
 from support.speech import SENTENCE, needs_espeak, speak
 
+from faceedit_app.core.arrays import Samples
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.media.sound import read_sound
 from faceedit_app.words import recogniser
 from faceedit_app.words.aligning import NOISY, TextLine, align, align_part
-from faceedit_app.words.denoising import Samples, Stopped
+from faceedit_app.words.denoising import Stopped
 
 # Of three films of the GRID corpus: the words, and their starts and the end, as published. The
 # first start is left out: the corpus has silence in it.

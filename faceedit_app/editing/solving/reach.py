@@ -16,7 +16,7 @@ from faceedit_app.core.arrays import Bools, Doubles, Indices
 from faceedit_app.core.rig import Distances
 from faceedit_app.editing.solving.reach_frames import Frames, Reached, at, limited, solved
 
-Rows = slice | Indices
+Rows = slice | Indices  # some frames of a request
 
 ITERATIONS = 4
 # Shorter steps, tried if a full one leads farther away.

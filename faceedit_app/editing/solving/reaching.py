@@ -23,11 +23,9 @@ from faceedit_app.editing.solving.giving_way import (
     missing,
     unpassed,
 )
-from faceedit_app.editing.solving.reach import Goal, Reach
+from faceedit_app.editing.solving.reach import Goal, Reach, Rows
 from faceedit_app.editing.solving.region_request import RegionRequest
 from faceedit_app.editing.solving.take_regions import TakeRegion
-
-Rows = slice | Indices
 
 # How much a calmed curve may miss what is missing for a moment only, as a share of that.
 TWITCH = 1.0

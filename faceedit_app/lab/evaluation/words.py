@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Doubles, Floats
+from faceedit_app.core.arrays import Doubles, Floats, Samples
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.help.spoken import (
     NEAR,
@@ -24,7 +24,6 @@ from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.networks.engine import Engine
 from faceedit_app.words.aligning import TextLine, align_part
-from faceedit_app.words.denoising import Samples
 from faceedit_app.words.files import read_words
 from faceedit_app.words.transcript import Transcript, Word
 

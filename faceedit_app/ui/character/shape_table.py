@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import QAbstractTableModel, Qt, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -21,10 +21,10 @@ from faceedit_app.characters.matches import Half
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level
+from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.palette import MUTED, ORANGE
 from faceedit_app.ui.look.texts import plain_tip
 
-Index = QModelIndex | QPersistentModelIndex
 NO_SHAPE = "– no shape –"
 _HEADS = ("Channel", "Shape in the file", *LEVEL_HEADS, "Note")
 CHANNEL, SHAPE, MULTIPLIER, OFFSET, LIMIT, NOTE = range(6)

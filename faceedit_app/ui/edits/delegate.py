@@ -8,8 +8,6 @@ from functools import partial
 from PySide6.QtCore import (
     QAbstractItemModel,
     QEvent,
-    QModelIndex,
-    QPersistentModelIndex,
     QPointF,
     QRect,
     QRectF,
@@ -30,6 +28,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.ui.edits.model import COLUMNS, GROUP, RANGE, STRENGTH, EditsModel
 from faceedit_app.ui.look.guard import guarded, saved
+from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
@@ -52,8 +51,6 @@ _STRENGTH = 50.0
 _RANGE = 116.0  # at least
 _LEAST_NAME = 96.0  # beside a wider range
 _NARROW = 470  # pixels below which the curves' names would leave the edit's no room
-
-Index = QModelIndex | QPersistentModelIndex
 
 
 class RowField(Enum):

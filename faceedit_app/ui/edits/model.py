@@ -11,7 +11,6 @@ from PySide6.QtCore import (
     QAbstractListModel,
     QMimeData,
     QModelIndex,
-    QPersistentModelIndex,
     Qt,
     Signal,
 )
@@ -22,6 +21,7 @@ from faceedit_app.editing.edits.describe import describe, describe_what
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.groups import Key, groups_of, key_of
+from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.time_display import Unit, label
@@ -32,7 +32,6 @@ COLUMNS = Qt.ItemDataRole.UserRole + 1  # when, on what, how strongly
 GROUP = Qt.ItemDataRole.UserRole + 4  # (edits or 0 if not its head, whether open); None if none
 STRENGTH, RANGE = (Qt.ItemDataRole.UserRole + i for i in (2, 3))  # to set them
 _MIME = "application/x-faceedit-row"
-Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
 
 

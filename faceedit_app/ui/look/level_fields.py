@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from PySide6.QtCore import (
     QAbstractItemModel,
-    QModelIndex,
     QObject,
-    QPersistentModelIndex,
     QSignalBlocker,
     Qt,
 )
 from PySide6.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem, QWidget
 
 from faceedit_app.core.levels import STRONGEST_LEVEL, Level
+from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.number import NumberBox
 
-Index = QModelIndex | QPersistentModelIndex
 LEVEL_HEADS = ("Multiplier", "Offset", "Soft limit")
 LEVEL_TIPS = (
     "1 leaves the channel as it is, 0 mutes it",

@@ -8,7 +8,6 @@ from typing import Any
 from PySide6.QtCore import (
     QAbstractTableModel,
     QModelIndex,
-    QPersistentModelIndex,
     QSortFilterProxyModel,
     Qt,
     QTimer,
@@ -31,9 +30,9 @@ from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.ui.edits.preview_dialog import PreviewDialog
 from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDelegate, changed_level
+from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.state.document import Document
 
-Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
 _HEADS = ("Channel", *LEVEL_HEADS)
 _TIPS = ("ARKit's name of the channel", *LEVEL_TIPS)

@@ -9,17 +9,16 @@ from PySide6.QtCore import (
     QAbstractTableModel,
     QModelIndex,
     QObject,
-    QPersistentModelIndex,
     Qt,
     Signal,
 )
 
 from faceedit_app.editing.help.problems import Problem
+from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.page.problems_bar import ONE
 
 KIND, TIME, AMOUNT = range(3)
 _HEADS = ("Problem", "Time", "How bad")
-Index = QModelIndex | QPersistentModelIndex
 _ROOT = QModelIndex()
 _KEYS: tuple[Callable[[Problem], Any], ...] = (
     lambda problem: problem.kind.value,
