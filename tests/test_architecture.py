@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections import defaultdict
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -81,6 +82,20 @@ def test_only_the_document_passes_on_what_the_session_announces() -> None:
     files = [path for room in ("faceedit_app", "tests") for path in (ROOT / room).rglob("*.py")]
     assert files
     assert not [path for path in files if says.search(path.read_text(encoding="utf-8"))]
+
+
+def test_no_two_classes_share_a_name() -> None:
+    """Private ones may; and `Take` is the same in `formats` and, with its edits, in `api.py`."""
+    files = defaultdict(set)
+    for path in (ROOT / "faceedit_app").rglob("*.py"):
+        for name in re.findall(
+            r"^class ([A-Z]\w*)", path.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            files[name].add(path.relative_to(ROOT).as_posix())
+    assert len(files) > 400
+    assert {name: found for name, found in files.items() if len(found) > 1} == {
+        "Take": {"faceedit_app/api.py", "faceedit_app/formats/take.py"}
+    }
 
 
 def test_no_file_is_long() -> None:

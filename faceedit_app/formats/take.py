@@ -104,7 +104,7 @@ class LostRows:
 
 @dataclass(frozen=True)
 class Take:
-    """An open take.
+    """A take as it was read from its file.
 
     Attributes:
         path: the file.
