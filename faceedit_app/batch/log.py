@@ -70,13 +70,13 @@ def to_do(tasks: Iterable[Task], log: Log) -> list[Task]:
     done, ours = log.outcomes(), log.written()
     left = []
     for task in tasks:
-        outcome = done.get(task.name)
+        outcome, digest = done.get(task.name), task.recipe.digest
         there = sha256_of(task.output) if task.output.is_file() else None
         again = ""
         if (
             outcome is not None
             and not outcome.error
-            and outcome.digest == task.recipe.digest
+            and outcome.digest == digest
             and outcome.sha256 == sha256_of(task.source)
         ):
             if there is not None and there == outcome.made:

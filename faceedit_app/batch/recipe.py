@@ -6,6 +6,7 @@ import hashlib
 import json
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 
 from faceedit_app import api
@@ -49,9 +50,13 @@ class Recipe:
         names = (self.edits, self.preset, self.character or "")
         return tuple(name for name in names if name and Path(name).is_file())
 
-    @property
+    @cached_property
     def digest(self) -> str:
-        """Differs between recipes that do different things, also if a file that they name does."""
+        """Differs between recipes that do different things, also if a file that they name does.
+
+        The files are read once, also for the processes that work on the tasks. If one is changed
+        while they work, the next run does the takes again.
+        """
         text = json.dumps(asdict(self), sort_keys=True)
         for name in self.files:
             text += fingerprint(Path(name)).sha256

@@ -18,7 +18,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing import exporting
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.originals import KeptRecording
-from faceedit_app.formats.registry import no_takes_below, takes_below
+from faceedit_app.formats.registry import files_below, why_no_take
 
 LOG = "faceedit_batch.jsonl"  # in the folder of the results
 REPORT = "faceedit_report"  # there as well, as CSV and as HTML
@@ -91,52 +91,6 @@ class Outcome:
     again: str = ""
 
 
-def plan(source: Path, output: Path, recipe: Recipe) -> list[Task]:
-    """The tasks for all takes in a folder and its subfolders.
-
-    Raises:
-        FileError: there are no takes, the folders are the same, or a result would be written over
-            a take or another file that is read.
-    """
-    if not source.is_dir():
-        raise FileError(source, "is not a folder", "give the folder with the takes")
-    results = Path(os.path.realpath(output))  # Path.resolve() raises if links go round in a circle
-    if os.path.realpath(source) == str(results):
-        raise FileError(output, "is the folder of the takes", "choose another folder for results")
-    others = skipped(source, output)
-    left_out = {source / other.name for other in others}
-    found = [
-        path
-        for path in takes_below(source)
-        if results not in Path(os.path.realpath(path)).parents
-        and not left_out.intersection((path, *path.parents))
-    ]
-    if not found:
-        such = f" (one of {len(others)} files that are none: {others[0].name})" if others else ""
-        raise FileError(source, f"holds no takes{such}", "choose another folder")
-    ending = exporting.choose(Path(), recipe.form).ending if recipe.form else ""
-    tasks: dict[Path, Task] = {}
-    for path in found:
-        inside = path.relative_to(source)
-        target = output / (inside.with_suffix(ending) if ending else inside)
-        if target in tasks:  # take.csv and take.json become one name
-            target = target.with_name(f"{path.stem}_{path.suffix[1:].lower()}{target.suffix}")
-        written = target.relative_to(output).as_posix()
-        tasks[target] = Task(inside.as_posix(), path.absolute(), target.absolute(), recipe, written)
-    _keep_what_is_read(tasks, found, recipe)
-    return list(tasks.values())
-
-
-def _keep_what_is_read(targets: Iterable[Path], takes: Iterable[Path], recipe: Recipe) -> None:
-    """Raise FileError if a result would be written over a take or a file of the recipe."""
-    sources = {os.path.realpath(path) for path in takes}
-    others = [Path(name) for name in (*recipe.files, recipe.models) if name]
-    for target in targets:
-        if os.path.realpath(target) in sources:
-            raise FileError(target, "is one of the takes", _OTHER_FOLDER)
-        keep_inputs([target], others, _OTHER_FOLDER)
-
-
 @dataclass(frozen=True)
 class Skipped:
     """A file that ends like a take and is none, or a folder with the results of another batch.
@@ -150,23 +104,64 @@ class Skipped:
     reason: str
 
 
-def skipped(source: Path, output: Path) -> list[Skipped]:
-    """The files in a folder that `plan` leaves out although they end like takes.
+def plan(source: Path, output: Path, recipe: Recipe) -> tuple[list[Task], list[Skipped]]:
+    """The tasks for all takes in a folder and its subfolders, and what is left out.
+
+    Raises:
+        FileError: there are no takes, the folders are the same, or a result would be written over
+            a take or another file that is read.
+    """
+    if not source.is_dir():
+        raise FileError(source, "is not a folder", "give the folder with the takes")
+    results = Path(os.path.realpath(output))  # Path.resolve() raises if links go round in a circle
+    if os.path.realpath(source) == str(results):
+        raise FileError(output, "is the folder of the takes", "choose another folder for results")
+    found, others = _sort_out(source, results)
+    if not found:
+        such = f" (one of {len(others)} files that are none: {others[0].name})" if others else ""
+        raise FileError(source, f"holds no takes{such}", "choose another folder")
+    ending = exporting.choose(Path(), recipe.form).ending if recipe.form else ""
+    tasks: dict[Path, Task] = {}
+    for path in found:
+        inside = path.relative_to(source)
+        target = output / (inside.with_suffix(ending) if ending else inside)
+        if target in tasks:  # take.csv and take.json become one name
+            target = target.with_name(f"{path.stem}_{path.suffix[1:].lower()}{target.suffix}")
+        written = target.relative_to(output).as_posix()
+        tasks[target] = Task(inside.as_posix(), path.absolute(), target.absolute(), recipe, written)
+    _keep_what_is_read(tasks, found, recipe)
+    return list(tasks.values()), others
+
+
+def _sort_out(source: Path, results: Path) -> tuple[list[Path], list[Skipped]]:
+    """The takes in a folder, and what is left out; each file is read once.
 
     Of a folder below it with the results of another batch, only the folder is named.
     """
-    results = Path(os.path.realpath(output))
-    batches = {path.parent for path in source.rglob(LOG)} - {source}
-    found = [(path, _OTHER_BATCH) for path in batches if not batches.intersection(path.parents)]
-    for path, reason in no_takes_below(source):
-        if not batches.intersection(path.parents):
+    files = [p for p in files_below(source) if results not in Path(os.path.realpath(p)).parents]
+    batches = {path.parent for path in files if path.name == LOG} - {source}
+    outermost = [path for path in batches if not batches.intersection(path.parents)]
+    takes, others = [], [(path, _OTHER_BATCH) for path in outermost]
+    for path in files:
+        if batches.intersection(path.parents):
+            continue
+        reason = why_no_take(path)
+        if reason:
             is_own = path.name in (LOG, f"{REPORT}.csv")
-            found.append((path, _OWN if is_own else reason))
-    return [
-        Skipped(path.relative_to(source).as_posix(), reason)
-        for path, reason in sorted(found)
-        if results not in (there := Path(os.path.realpath(path))).parents and results != there
-    ]
+            others.append((path, _OWN if is_own else reason))
+        else:
+            takes.append(path)
+    return takes, [Skipped(p.relative_to(source).as_posix(), why) for p, why in sorted(others)]
+
+
+def _keep_what_is_read(targets: Iterable[Path], takes: Iterable[Path], recipe: Recipe) -> None:
+    """Raise FileError if a result would be written over a take or a file of the recipe."""
+    sources = {os.path.realpath(path) for path in takes}
+    others = [Path(name) for name in (*recipe.files, recipe.models) if name]
+    for target in targets:
+        if os.path.realpath(target) in sources:
+            raise FileError(target, "is one of the takes", _OTHER_FOLDER)
+        keep_inputs([target], others, _OTHER_FOLDER)
 
 
 def sha256_of(path: Path) -> str:

@@ -65,7 +65,7 @@ def batch(
     from faceedit_app.batch.log import Log
     from faceedit_app.batch.recipe import parse_recipe
     from faceedit_app.batch.report import summary, write_reports
-    from faceedit_app.batch.tasks import plan, skipped
+    from faceedit_app.batch.tasks import plan
     from faceedit_app.formats.opening import checked_rate
 
     if fps is not None and form is None:
@@ -82,9 +82,8 @@ def batch(
         models=None if models is None else str(models.absolute()),
         follows_head=follow_head,
     )
-    tasks = plan(source, output, recipe)
+    tasks, others = plan(source, output, recipe)
     outcomes = _worked_on(tasks, source.name, Log(output), jobs, scheduler, quiet=as_json)
-    others = skipped(source, output)
     pages = write_reports(output, outcomes, others)
     if as_json:
         json_output.say_json(json_output.batch_facts(output, outcomes, pages, others))

@@ -191,24 +191,27 @@ def takes_below(folder: Path) -> list[Path]:
     Any CSV counts, so that a damaged one is not skipped silently; other endings are shared with
     other kinds of files, whose content is checked.
     """
+    files = files_below(folder)
+    return [path for path in files if path.suffix.lower() == ".csv" or is_take(path)]
+
+
+def files_below(folder: Path) -> list[Path]:
+    """The files in a folder and its subfolders that end like takes, by name; none is read."""
     known = endings()
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)
-    return [path for path in paths if path.suffix.lower() == ".csv" or is_take(path)]
+    return sorted(path for path in folder.rglob("*") if path.suffix.lower() in known)
 
 
-def no_takes_below(folder: Path) -> list[tuple[Path, str]]:
-    """The files below a folder that end like takes and are none, each with what is wrong with it.
+def why_no_take(path: Path) -> str:
+    """What a file is that ends like a take and is none, and what to do; "" for a take.
 
-    A CSV that is damaged is not among them: it may have been a take.
+    It is "" for a damaged CSV as well, which may have been a take.
     """
-    found = []
-    for path in sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings()):
-        try:
-            recognise(path, as_utf8(read_bytes(path))[0])
-        except FileError as error:
-            if isinstance(error, NotTake) or path.suffix.lower() != ".csv":
-                found.append((path, f"{error.problem}; {error.remedy}"))
-    return found
+    try:
+        recognise(path, as_utf8(read_bytes(path))[0])
+    except FileError as error:
+        if isinstance(error, NotTake) or path.suffix.lower() != ".csv":
+            return f"{error.problem}; {error.remedy}"
+    return ""
 
 
 def writable() -> tuple[Format, ...]:

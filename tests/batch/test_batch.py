@@ -25,6 +25,7 @@ from faceedit_app.cli import main
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.files.project import Project, write_project
 from faceedit_app.editing.opening import open_session
+from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.opening import open_take
 
 DEMO = ROOT / "assets" / "demo_take.csv"
@@ -108,7 +109,7 @@ def test_what_is_done_is_not_done_again(
 
 def test_a_stop_loses_nothing(takes: Path, tmp_path: Path, models: str) -> None:
     (takes / "bad.csv").unlink()
-    tasks = plan(takes, tmp_path / "out", Recipe(models=models))
+    tasks, _ = plan(takes, tmp_path / "out", Recipe(models=models))
     log = Log(tmp_path / "out")
 
     def stop(_outcome: Outcome, _done: int, _of: int) -> None:
@@ -154,6 +155,25 @@ def test_files_that_are_no_takes_are_reported_and_skipped(
     assert rows["scene.json"]["result"] == "skipped"
     assert "emotions" in rows["day 2/emotions.json"]["error"]
     assert "skipped: holds the emotions" in (out / "faceedit_report.html").read_text()
+
+
+def test_a_batch_reads_no_file_twice_before_it_begins(
+    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (takes / "out").mkdir()
+    make_livelink_csv(takes / "out" / "a.csv")  # of an earlier run, which is not read at all
+    (takes / "out" / LOG).touch()
+    read: list[str] = []
+
+    def counted(path: Path) -> bytes:
+        read.append(path.name)
+        return read_bytes(path)
+
+    monkeypatch.setattr("faceedit_app.formats.registry.read_bytes", counted)
+    tasks, others = plan(takes, takes / "out", Recipe())
+    assert [task.name for task in tasks] == ["a.csv", "bad.csv", "day 2/b.csv"]
+    assert [other.name for other in others] == ["notes.json"]
+    assert sorted(read) == ["a.csv", "b.csv", "bad.csv", "notes.json"]
 
 
 def test_results_have_one_name_each(takes: Path, tmp_path: Path, models: str) -> None:
@@ -254,7 +274,7 @@ def test_a_process_that_ends_takes_no_other_take_with_it(
     takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, models: str
 ) -> None:
     monkeypatch.setattr(workers, "perform", _ends_at_bad)
-    tasks = plan(takes, tmp_path / "out", Recipe(models=models))
+    tasks, _ = plan(takes, tmp_path / "out", Recipe(models=models))
     found = {one.name: one for one in workers.run_here(tasks, 2)}
     assert set(found) == {"a.csv", "bad.csv", "day 2/b.csv"}
     assert [name for name, one in found.items() if one.error] == ["bad.csv"]
@@ -321,7 +341,7 @@ def test_a_cluster_loses_nothing_and_does_nothing_twice(
     for number in range(8):
         make_livelink_csv(folder / f"{number}.csv", seconds=1 + number % 2)
     recipe = Recipe(edits=str(edits_in(tmp_path)), models=models)
-    tasks = plan(folder, tmp_path / "out", recipe)
+    tasks, _ = plan(folder, tmp_path / "out", recipe)
     log = Log(tmp_path / "out")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
@@ -350,7 +370,7 @@ def _killer(workers: list[int]) -> Callable[[Outcome, int, int], None]:
 
 def test_a_cluster_that_does_not_answer_is_said_in_one_line(takes: Path, tmp_path: Path) -> None:
     pytest.importorskip("dask.distributed", reason="Dask is not installed")
-    tasks = plan(takes, tmp_path / "out", Recipe())
+    tasks, _ = plan(takes, tmp_path / "out", Recipe())
     with pytest.raises(FaceEditError, match="--scheduler nonsense: does not answer"):
         list(workers.run_on_cluster(tasks, "nonsense"))
 
