@@ -28,8 +28,8 @@ CHUNK = 208
 # Seconds by which a frame may be outside a time range and still count as on its edge.
 SLACK = 1e-9
 # Edits beside those of the list whose frames are cached; a drag makes a new edit with each move of
-# the mouse, and one that is drawn has hundreds of points.
-REMEMBERED = 256
+# the mouse, and one that is drawn has hundreds of points, 30 kB.
+REMEMBERED = 32
 # Ways from frames to the grid and back that are kept: two for each chunk of a drag.
 REMEMBERED_WAYS = 8
 

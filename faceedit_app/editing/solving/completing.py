@@ -49,6 +49,9 @@ FIRM = 0.75
 ROUNDING = 1e-9
 # Standard deviations by which an answer may leave what is around.
 FURTHER = 1.5
+# Weights of frames around edits that are kept: the steps of a drag ask for the same, and those of
+# a chunk take 150 kB at most.
+REMEMBERED = 32
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,7 @@ def surroundings(residual: Doubles, trusted: Bools) -> tuple[Doubles, Doubles]:
     return around, near
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=REMEMBERED)
 def _kriging(trusted: bytes, first: int, last: int) -> tuple[Doubles, Doubles]:
     """(n, S) the weights of S trusted frames on frames `first` to `last`, and (n,) the distance."""
     known = np.flatnonzero(np.frombuffer(trusted, np.bool_))

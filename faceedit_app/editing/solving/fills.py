@@ -28,6 +28,7 @@ from faceedit_app.editing.solving.retimes import Measure, Retiming
 from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 
 REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
+ROOM = 16 << 20  # bytes of each kind of results; one of a fill of ten minutes takes 15 MB
 
 
 class Fills:
@@ -44,8 +45,8 @@ class Fills:
         self._clip, self._tracked = clip, tracked
         self._filling = Filling(clip, tracked, opening)
         self._retiming = Retiming(clip, tracked, measure)
-        self._starts, self._turns = Recent[Floats](REMEMBERED), Recent[Floats](REMEMBERED)
-        self._known = Recent[Doubles](REMEMBERED)
+        self._starts, self._turns = (Recent[Floats](REMEMBERED, ROOM) for _ in range(2))
+        self._known = Recent[Doubles](REMEMBERED, ROOM)
         self._present = np.array([ARKIT_INDEX[c] for c in clip.channels], np.intp)
 
     @property
