@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import weakref
+from functools import partial
 
 import numpy as np
 from support.faces import talking_clip
@@ -42,7 +43,7 @@ def test_results_that_take_too_much_room_are_forgotten() -> None:
 
     recent = Recent[Doubles](most=3, room=80)
     for numbers in (4, 5, 4, 1, 4):  # of 8 bytes
-        recent.to(numbers, lambda numbers=numbers: result(numbers))
+        recent.to(numbers, partial(result, numbers))
     assert made == [4, 5, 1], "what fits is kept"
     assert recent.bytes == 8 * (4 + 5 + 1)
     recent.to(2, lambda: result(2))  # one too many
