@@ -6,6 +6,7 @@ import errno
 import sys
 from pathlib import Path
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 from faceedit_app.ui.start import display
@@ -53,7 +54,7 @@ def _is_command(given: list[str]) -> bool:
         given = given[:-2]
     if not given or given == ["--demo"]:
         return False
-    return not (len(given) == 1 and (Path(given[0]).suffix or Path(given[0]).exists()))
+    return not (len(given) == 1 and (Path(given[0]).suffix or on_disk.exists(Path(given[0]))))
 
 
 def _open_window(given: list[str]) -> int:

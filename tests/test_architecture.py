@@ -98,6 +98,33 @@ def test_no_two_classes_share_a_name() -> None:
     }
 
 
+def _asks_unsafely(node: ast.AST, is_safe: bool = False) -> list[int]:
+    """The lines that ask a `Path` what is there, where the errors of that are not caught."""
+    if isinstance(node, ast.Try):
+        kinds = {n.id for h in node.handlers for n in ast.walk(h) if isinstance(n, ast.Name)}
+        inner = is_safe or not kinds.isdisjoint({"OSError", "Exception"})
+        rest = (*node.handlers, *node.orelse, *node.finalbody)
+        parts = [(part, inner) for part in node.body] + [(part, is_safe) for part in rest]
+    else:
+        parts = [(part, is_safe) for part in ast.iter_child_nodes(node)]
+    asks = (
+        isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr in ("exists", "is_file", "is_dir")
+        and not (node.args or node.keywords or is_safe)
+    )
+    below = [line for part, safe in parts for line in _asks_unsafely(part, safe)]
+    return [node.lineno, *below] if asks and isinstance(node, ast.Call) else below
+
+
+def test_a_path_that_is_too_long_ends_nothing() -> None:
+    """`Path.is_file` raises for it; `core/on_disk.py` does not."""
+    files = [p for p in (ROOT / "faceedit_app").rglob("*.py") if "lab" not in p.parts]
+    assert _asks_unsafely(ast.parse("if path.is_file():\n    pass")) == [1]
+    asking = {str(p): _asks_unsafely(ast.parse(p.read_text(encoding="utf-8"))) for p in files}
+    assert not {path: lines for path, lines in asking.items() if lines}
+
+
 def test_no_file_is_long() -> None:
     files = [path for room in ("faceedit_app", "tests") for path in (ROOT / room).rglob("*.py")]
     assert len(files) > 400

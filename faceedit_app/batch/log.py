@@ -5,12 +5,23 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
 from faceedit_app.batch.tasks import LOG, Outcome, Task, sha256_of
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError, reason_of
+from faceedit_app.core.fields import parse
+
+_LARGEST = 1e9  # of the numbers in the log; NaN and infinity are damage
+# What the values of an outcome may be, by their defaults.
+_KINDS: dict[type, tuple[type, ...]] = {
+    str: (str,),
+    int: (int,),
+    float: (float, int),
+    tuple: (tuple,),
+}
 
 
 class Log:
@@ -37,12 +48,8 @@ class Log:
     def _all(self) -> Iterator[Outcome]:
         self._file.seek(0)
         for line in self._file:
-            with suppress(ValueError, TypeError, AttributeError):
-                entry = json.loads(line)
-                lists: dict[str, Any] = {
-                    k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()
-                }
-                yield Outcome(**lists)
+            with suppress(ValueError):
+                yield _outcome(line)
 
     def add(self, outcome: Outcome) -> None:
         """Add an outcome."""
@@ -62,6 +69,30 @@ class Log:
         self._file.close()
 
 
+def _outcome(line: str) -> Outcome:
+    """The outcome on a line.
+
+    Raises:
+        ValueError: it holds none.
+    """
+    entry = parse(line)
+    kinds: dict[str, tuple[type, ...]] = {
+        one.name: (str,) if one.default is MISSING else _KINDS[type(one.default)]
+        for one in fields(Outcome)
+    }
+    if not (isinstance(entry, dict) and "name" in entry and entry.keys() <= kinds.keys()):
+        raise ValueError("it is no outcome")
+    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
+    curves = [number for v in values.values() if isinstance(v, tuple) for number in v]
+    numbers = [*curves, *(v for v in values.values() if isinstance(v, float))]
+    if not (
+        all(isinstance(value, kinds[name]) for name, value in values.items())
+        and all(isinstance(number, int | float) and abs(number) < _LARGEST for number in numbers)
+    ):
+        raise ValueError("a value is of another kind")
+    return Outcome(**values)
+
+
 def to_do(tasks: Iterable[Task], log: Log) -> list[Task]:
     """The tasks without a good outcome for the same source and the same recipe.
 
@@ -71,7 +102,7 @@ def to_do(tasks: Iterable[Task], log: Log) -> list[Task]:
     left = []
     for task in tasks:
         outcome, digest = done.get(task.name), task.recipe.digest
-        there = sha256_of(task.output) if task.output.is_file() else None
+        there = sha256_of(task.output) if on_disk.is_file(task.output) else None
         again = ""
         if (
             outcome is not None

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 
 from faceedit_app import api
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.editing.files.fingerprint import fingerprint
@@ -48,7 +49,7 @@ class Recipe:
     def files(self) -> tuple[str, ...]:
         """The files that it names."""
         names = (self.edits, self.preset, self.character or "")
-        return tuple(name for name in names if name and Path(name).is_file())
+        return tuple(name for name in names if name and on_disk.is_file(Path(name)))
 
     @cached_property
     def digest(self) -> str:

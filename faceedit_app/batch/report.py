@@ -112,7 +112,7 @@ def _skipped_row(one: Skipped) -> str:
 
 
 def _curves(one: Outcome) -> str:
-    values = [*one.tracked, *one.edited]
+    values = [*one.tracked, *one.edited] or [0.0]
     low, high = min(values), max(max(values), min(values) + 1.0)
 
     def line(kind: str, curve: Sequence[float]) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 
 from faceedit_app import api
 from faceedit_app.batch.recipe import Recipe
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import keep_backup, keep_inputs
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.core.errors import FaceEditError, FileError
@@ -111,7 +112,7 @@ def plan(source: Path, output: Path, recipe: Recipe) -> tuple[list[Task], list[S
         FileError: there are no takes, the folders are the same, or a result would be written over
             a take or another file that is read.
     """
-    if not source.is_dir():
+    if not on_disk.is_folder(source):
         raise FileError(source, "is not a folder", "give the folder with the takes")
     results = Path(os.path.realpath(output))  # Path.resolve() raises if links go round in a circle
     if os.path.realpath(source) == str(results):
@@ -225,7 +226,7 @@ def _export(take: api.Take, task: Task) -> tuple[exporting.Exported, Path | None
     folder, recipe = task.output.parent, task.recipe
     folder.mkdir(parents=True, exist_ok=True)
     before = os.listdir(folder)
-    is_lost = not task.is_ours and task.output.is_file() and task.output.stat().st_size > 0
+    is_lost = not task.is_ours and on_disk.is_file(task.output) and task.output.stat().st_size > 0
     backup = keep_backup(task.output) if is_lost else None
     is_needed = False
     try:

@@ -13,6 +13,7 @@ from faceedit_app.characters.bounded import read_file
 from faceedit_app.characters.character import PartVertex
 from faceedit_app.characters.matches import Half, ShapeMatch, Share
 from faceedit_app.characters.points import POINTS
+from faceedit_app.core import on_disk
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
@@ -59,7 +60,7 @@ def read_map(path: Path) -> CharacterMap | None:
     Raises:
         FileError: it cannot be read, or an entry is wrong.
     """
-    if not path.exists():
+    if not on_disk.exists(path):
         return None
     try:
         stored = json.loads(read_file(path, _LARGEST))

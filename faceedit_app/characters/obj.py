@@ -18,6 +18,7 @@ from faceedit_app.characters.bounded import Damaged, check_targets, finite, read
 from faceedit_app.characters.character import Character, MeshPart, Surface, unique_names
 from faceedit_app.characters.names import match_channels
 from faceedit_app.characters.obj_materials import read_materials
+from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError, reason_of
 
@@ -57,14 +58,14 @@ def read_obj(path: Path) -> Character:
         FileError: there is no OBJ file, or no neutral one.
         Damaged: a file contradicts itself.
     """
-    folder = path if path.is_dir() else path.parent
+    folder = path if on_disk.is_folder(path) else path.parent
     try:
         shown = (p for p in folder.iterdir() if not p.name.startswith("."))
         files = sorted(p for p in shown if p.suffix.lower() == ".obj")
     except OSError as error:
         reason = reason_of(error)
         raise FileError(path, f"cannot be read ({reason})", "check the path") from error
-    if path.is_dir():
+    if on_disk.is_folder(path):
         neutral = _neutral(path, files)
     else:
         is_shape = bool(match_channels([path.stem]).matched)
@@ -86,11 +87,11 @@ def read_obj(path: Path) -> Character:
         else:
             strangers.append(other.name)
     remarks = []
-    if path.is_dir() and not _says_neutral(neutral):
+    if on_disk.is_folder(path) and not _says_neutral(neutral):
         name = neutral.name[:60]
         remarks.append(f"{name} is used as the neutral head, because its name is no shape's")
     for names, why in ((strangers, "other vertices"), (unread, "damaged")):
-        if names and path.is_dir():
+        if names and on_disk.is_folder(path):
             first = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
             remarks.append(f"left out ({why}): {first}")
     parts, missing = _parts(neutral, mesh, targets)

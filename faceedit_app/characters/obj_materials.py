@@ -8,6 +8,7 @@ from pathlib import Path, PureWindowsPath
 
 from faceedit_app.characters.bounded import read_file
 from faceedit_app.characters.character import Surface, Texture
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError
 
 # An option of a texture, with its values, before the name of the file.
@@ -77,7 +78,7 @@ def _beside(path: Path, name: str) -> bytes | None:
 
 def _as_spelled(place: Path) -> Path:
     """The file of a folder whose name is that of `place` but for its case."""
-    if place.exists() or not place.parent.is_dir():
+    if on_disk.exists(place) or not on_disk.is_folder(place.parent):
         return place
     wanted = place.name.casefold()
     return next((p for p in place.parent.iterdir() if p.name.casefold() == wanted), place)

@@ -14,6 +14,7 @@ from faceedit_app.characters.fbx_tree import MAGIC
 from faceedit_app.characters.gltf import read_gltf
 from faceedit_app.characters.obj import read_obj, read_one_obj
 from faceedit_app.characters.vrm import read_vrm
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError, reason_of
 
 _HEAD = 1 << 16  # bytes that show the kind of a file
@@ -70,7 +71,7 @@ def _is_fbx(path: Path, head: bytes) -> bool:
 
 
 def _is_obj(path: Path, head: bytes) -> bool:
-    return path.is_dir() or path.suffix.lower() == ".obj"
+    return on_disk.is_folder(path) or path.suffix.lower() == ".obj"
 
 
 FORMATS: tuple[CharacterFormat, ...] = (
@@ -83,7 +84,7 @@ FORMATS: tuple[CharacterFormat, ...] = (
 
 def is_character(path: Path) -> bool:
     """Whether the name of a file, or what a folder holds, is that of a character."""
-    if path.is_dir():
+    if on_disk.is_folder(path):
         return any(path.glob("*.obj")) or any(path.glob("*.OBJ"))
     return any(path.suffix.lower() in kind.endings for kind in FORMATS)
 
@@ -102,7 +103,7 @@ def read_character(path: Path | str, with_shapes: bool = True) -> Character:
     head = _head(path)
     for kind in FORMATS:
         if kind.sniff(path, head):
-            is_alone = kind.read is read_obj and not with_shapes and path.is_file()
+            is_alone = kind.read is read_obj and not with_shapes and on_disk.is_file(path)
             found = _read(replace(kind, read=read_one_obj) if is_alone else kind, path)
             return without_copies(found)
     known = _KNOWN.get(path.suffix.lower())

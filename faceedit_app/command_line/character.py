@@ -12,6 +12,7 @@ import typer
 
 from faceedit_app.command_line.opening import rig_of
 from faceedit_app.command_line.options import JsonOption, ModelsOption
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
@@ -49,7 +50,7 @@ def inspect(
     fitted = open_character(file)
     if write_map:
         path = map_file.map_path(file)
-        if path.exists():
+        if on_disk.exists(path):
             raise FileError(path, "exists", "edit it, or delete it first")
         map_file.write_map(path, fitted.whole_map)
     say(json.dumps(_facts(fitted), indent=2) if as_json else _text(fitted))
@@ -192,11 +193,11 @@ def _check_output(output: Path | None, takes: Iterable[Path]) -> None:
     """Check that writing into a folder replaces no take."""
     if output is None:
         return
-    if not output.is_dir():
+    if not on_disk.is_folder(output):
         raise FaceEditError(f"--output {output}: is not a folder; create it first")
     names: set[str] = set()
     for path in takes:
-        if (output / path.name).exists() or path.name in names:
+        if on_disk.exists(output / path.name) or path.name in names:
             raise FileError(output / path.name, "exists", "choose another folder")
         names.add(path.name)
 

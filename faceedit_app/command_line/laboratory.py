@@ -11,6 +11,7 @@ import typer
 
 from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.command_line.progress import bar
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import keep_inputs, write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
@@ -130,7 +131,7 @@ def evaluate(
     from faceedit_app.lab.evaluation.report import summary_lines, write_report
     from faceedit_app.lab.training.data import load_performances
 
-    keep_inputs([output], [path for path in takes if path.is_file()])
+    keep_inputs([output], [path for path in takes if on_disk.is_file(path)])
     performances = load_performances(takes, exclude or ())
     with bar("Evaluating") as advance:
         figures = evaluate_takes(
@@ -211,7 +212,7 @@ def evaluate_tracking(
     from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
-    keep_inputs([output], [*(path for path in takes if path.is_file()), *(character or ())])
+    keep_inputs([output], [*(path for path in takes if on_disk.is_file(path)), *(character or ())])
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
     known = {how.name: how for how in CONDITIONS}
     for name in films or ():

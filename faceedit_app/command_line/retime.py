@@ -18,6 +18,7 @@ from faceedit_app.command_line.options import (
     OverwriteOption,
     TakeArgument,
 )
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
@@ -119,7 +120,7 @@ def _timed_words(words: Path, grid: Path, overwrite: bool) -> Transcript:
     """The take's words, if those of the new take can be written to `grid`."""
     from faceedit_app.words.files import read_words
 
-    if grid.exists() and not overwrite:
+    if on_disk.exists(grid) and not overwrite:
         raise FileError(grid, "exists", "choose another name for the new take")
     said = read_words(words).transcript
     if said is None:

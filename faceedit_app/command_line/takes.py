@@ -21,6 +21,7 @@ from faceedit_app.command_line.options import (
     TakeArgument,
     TakeFpsOption,
 )
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
@@ -101,7 +102,7 @@ def _check_edits(path: Path) -> None:
     """Refuse the name of a preset, which is no file."""
     from faceedit_app.editing.help.presets import load_presets
 
-    if path.exists():
+    if on_disk.exists(path):
         return
     if str(path).lower() in {name.lower() for p in load_presets()[0] for name in (p.id, p.name)}:
         raise FaceEditError(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 from faceedit_app.command_line.options import JsonOption, check_csv
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import check_folder, check_writable, keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable, reason_of
 
@@ -70,10 +71,10 @@ def track(
     rig, code, facts = shipped_rig(), 0, []
     for path, take in jobs:
         try:
-            keep_inputs(_written(take, None if film.is_dir() else report), [path, edits])
+            keep_inputs(_written(take, None if on_disk.is_folder(film) else report), [path, edits])
             found = _track_one(path, take, rig, fps, place, None if as_json else _Line(path))
         except FileError as error:
-            if film.is_file():
+            if on_disk.is_file(film):
                 raise
             print(f"faceedit: {error.for_command}", file=sys.stderr)
             code = 1
@@ -82,12 +83,16 @@ def track(
         if not as_json:
             print(_text(facts[-1]))
         if report is not None:
-            folder = report / take.name.removesuffix("_tracked.csv") if film.is_dir() else report
+            folder = (
+                report / take.name.removesuffix("_tracked.csv")
+                if on_disk.is_folder(film)
+                else report
+            )
             for written in _report(folder, found, take, rig, edits):
                 if not as_json:
                     print(written)
     if as_json:
-        print(json.dumps(facts if film.is_dir() else facts[0], indent=2))
+        print(json.dumps(facts if on_disk.is_folder(film) else facts[0], indent=2))
     return code
 
 
@@ -170,17 +175,17 @@ def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
     """The films and the takes to write."""
     from faceedit_app.media import FILM_ENDINGS
 
-    if not film.exists():
+    if not on_disk.exists(film):
         raise FileError(film, "does not exist", "check the name and the folder")
-    if not film.is_dir():
+    if not on_disk.is_folder(film):
         take = output or film.with_name(f"{film.stem}_tracked.csv")
-        take = take / f"{film.stem}_tracked.csv" if take.is_dir() else take
+        take = take / f"{film.stem}_tracked.csv" if on_disk.is_folder(take) else take
         check_csv(take)
         return [(film, take)]
     films = sorted(path for path in film.iterdir() if path.suffix.lower() in FILM_ENDINGS)
     if not films:
         raise FileError(film, "has no films", f"put {', '.join(FILM_ENDINGS)} files into it")
-    if output is not None and output.suffix.lower() == ".csv" and not output.exists():
+    if output is not None and output.suffix.lower() == ".csv" and not on_disk.exists(output):
         raise FileError(output, "would be a folder of takes", "give a folder, or a single film")
     folder = output or film
     if output is not None:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.filelock import lock, try_lock
 
@@ -39,7 +40,7 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         path, problem = Path(path), "cannot be written (the name is not valid here)"
         raise FileError(path, problem, "choose another name") from None
     path = Path(os.path.realpath(path))  # follow a link to its target
-    if path.exists() and not path.is_file():  # a rename would replace /dev/null
+    if on_disk.exists(path) and not on_disk.is_file(path):  # a rename would replace /dev/null
         raise FileError(path, "cannot be written (it is not a file)", "choose another name")
     temporary: Path | None = None
     try:
@@ -103,7 +104,7 @@ def check_folder(folder: Path) -> None:
 
 def not_written(path: Path | str, error: OSError) -> FileError:
     """The error about a file that the system did not let be written."""
-    if isinstance(error, FileNotFoundError) and not Path(path).parent.exists():
+    if isinstance(error, FileNotFoundError) and not on_disk.exists(Path(path).parent):
         problem = "cannot be written (its folder does not exist)"
         return FileError(path, problem, "make the folder, or choose another one")
     reason = reason_of(error)
@@ -179,7 +180,7 @@ def keep_inputs(
     """
     inputs = [path for path in read if path is not None]
     for path in written:
-        if path is None or not path.is_file():
+        if path is None or not on_disk.is_file(path):
             continue
         for other in inputs:
             if is_same_file(path, other) or is_same_file(
@@ -198,7 +199,7 @@ def is_same_file(one: Path, other: Path) -> bool:
 
 
 def _permissions(path: Path) -> int:
-    if path.exists():
+    if on_disk.exists(path):
         return path.stat().st_mode & 0o777
     mask = os.umask(0)
     os.umask(mask)

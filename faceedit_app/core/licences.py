@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
+from faceedit_app.core import on_disk
+
 APPLICATION = "faceedit"
 TEXTS = "THIRD_PARTY_LICENSES.txt"  # next to the program of the installed application
 _SHORT = 60  # characters; anything longer is the licence's text, not its name
@@ -58,7 +60,7 @@ def licence_name(about: metadata.PackageMetadata) -> str:
 def texts_file() -> Path | None:
     """The full texts of all licences, or None (installed application only)."""
     path = Path(sys.executable).with_name(TEXTS)
-    return path if getattr(sys, "frozen", False) and path.is_file() else None
+    return path if getattr(sys, "frozen", False) and on_disk.is_file(path) else None
 
 
 def _needs(name: str) -> set[str]:

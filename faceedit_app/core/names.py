@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import lru_cache
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.texts import ONE_LETTER, near_names
@@ -41,6 +42,7 @@ _MOST_NAMES = 500  # that are searched for such a beginning or end
 _MOST_MARKS = 8  # between the words of a name
 _BETWEEN = re.compile(rf"{_BETWEEN_PARTS.pattern}|{_BETWEEN_WORDS.pattern}")
 _LONGEST = 200  # characters; a longer text is not a name
+_REMEMBERED = 2_000  # names, what each means
 _NUMBER_WORDS = {
     *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
 }
@@ -49,8 +51,12 @@ _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 def canonical_channel(name: str) -> str | None:
     """The ARKit name that `name` means, or None."""
-    if len(name) > _LONGEST:
-        return None
+    return None if len(name) > _LONGEST else _canonical(name)
+
+
+@lru_cache(_REMEMBERED)  # to recognise a file, each format looks at the same names
+def _canonical(name: str) -> str | None:
+    """As `canonical_channel`, of a name that is not too long."""
     found = _BY_KEY.get(_key(name))
     if found is not None:
         return found

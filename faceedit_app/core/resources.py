@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError
 
 DEMO_TAKE = "assets/demo_take.csv"
@@ -18,7 +19,7 @@ def shipped(name: str) -> Path:
         FileError: it is missing from this installation.
     """
     for root in (_PACKAGE / "shipped", _PACKAGE.parent):
-        if (root / name).exists():
+        if on_disk.exists(root / name):
             return root / name
     raise FileError(_PACKAGE.parent / name, "missing from this installation", "reinstall FaceEdit")
 

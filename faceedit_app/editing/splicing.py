@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Floats, Samples
 from faceedit_app.core.atomic import keep_backup, keep_inputs, write_atomically
 from faceedit_app.core.clip import Clip
@@ -168,7 +169,7 @@ def free_name(path: Path) -> Path:
     return next(
         one
         for one in chain([path], numbered)
-        if not any(one.with_suffix(ending).exists() for ending in endings)
+        if not any(on_disk.exists(one.with_suffix(ending)) for ending in endings)
     )
 
 
@@ -197,7 +198,7 @@ def _check_room(path: Path, written: Sequence[Path], overwrite: bool) -> None:
         FileError: something would.
     """
     for file in (path, *written):
-        if file.exists() and not overwrite:
+        if on_disk.exists(file) and not overwrite:
             raise FileError(file, "exists", "choose another name for the new take")
     for found in beside(path.absolute()):
         if found is not None and found not in [p.absolute() for p in written]:

@@ -110,7 +110,7 @@ def _samples(
         if cells and len(cells) != width:
             problem = f"has {len(cells)} weights where {width} shapes are named"
             raise FileError(path, problem, _AGAIN, _line(content, begin))
-        times.append(float(match[1]))
+        times.append(_number(path, content, start + body.start(1) + match.start(1), match[1]))
         rows.append([(begin + cell.start(), begin + cell.end()) for cell in cells])
     if not rows:
         raise FileError(path, "has an animation without time samples", _AGAIN)
@@ -128,16 +128,18 @@ def _columns(path: Path, names: list[str]) -> dict[str, int]:
     return found
 
 
+def _number(path: Path, content: bytes, start: int, text: bytes) -> float:
+    """The number that is written at a place of the file."""
+    try:
+        return float(text)
+    except ValueError:
+        problem = f'holds "{shown(text.decode("utf-8", "replace"))}", not a number'
+        raise FileError(path, problem, _AGAIN, _line(content, start)) from None
+
+
 def _numbers(path: Path, content: bytes, spans: NDArray[np.int64]) -> NDArray[np.float64]:
-    flat = []
-    for start, end in spans.reshape(-1, 2).tolist():
-        try:
-            flat.append(float(content[start:end]))
-        except ValueError:
-            problem = f'holds "{shown(content[start:end].decode("utf-8", "replace"))}"'
-            raise FileError(
-                path, f"{problem}, not a number", _AGAIN, _line(content, start)
-            ) from None
+    places = spans.reshape(-1, 2).tolist()
+    flat = [_number(path, content, start, content[start:end]) for start, end in places]
     values = np.array(flat, np.float64).reshape(spans.shape[:2])
     wrong = np.argwhere(~np.isfinite(values))
     if len(wrong):
@@ -148,7 +150,7 @@ def _numbers(path: Path, content: bytes, spans: NDArray[np.int64]) -> NDArray[np
 
 def _timing(path: Path, content: bytes, codes: NDArray[np.float64]) -> Timing | NoTimes:
     try:
-        return time_rows(codes / _codes_per_second(content))
+        return time_rows(codes / _codes_per_second(path, content))
     except NoTimes as none:
         return none
     except BadRow as bad:
@@ -156,9 +158,9 @@ def _timing(path: Path, content: bytes, codes: NDArray[np.float64]) -> Timing | 
         raise FileError(path, problem, _AGAIN) from None
 
 
-def _codes_per_second(content: bytes) -> float:
+def _codes_per_second(path: Path, content: bytes) -> float:
     match = _CODES.search(content)
-    found = float(match[1]) if match else 0.0
+    found = _number(path, content, match.start(1), match[1]) if match else 0.0
     return found if found > 0 else _DEFAULT_CODES
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from faceedit_app.core import on_disk
+
 SOUND_ENDINGS = (".wav", ".m4a", ".mp3", ".flac", ".aif", ".aiff", ".ogg", ".opus", ".aac")
 FILM_ENDINGS = (".mov", ".mp4", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg")
 ENDINGS = FILM_ENDINGS + SOUND_ENDINGS
@@ -46,7 +48,7 @@ def beside(take: Path) -> tuple[Path | None, Path | None]:
             for ending in endings:
                 for spelled in (ending, ending.upper()):
                     path = take.with_name(stem + spelled)
-                    if path.is_file():
+                    if on_disk.is_file(path):
                         return path
         return None
 

@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.media import is_film, is_media
 
@@ -42,7 +43,7 @@ def opened(path: Path) -> Iterator[InputContainer]:
 
 def open_container(path: Path) -> InputContainer:
     """Open a media file; use it inside `file_errors`, and close it."""
-    if path.exists() and not path.is_file():  # a pipe or a device may never end
+    if on_disk.exists(path) and not on_disk.is_file(path):  # a pipe or a device may never end
         raise FileError(path, "is not a regular file", "choose a sound or a film")
     try:
         import av

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.atomic import not_written
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
@@ -150,9 +151,13 @@ def writing(
         Unavailable: PyAV, or an encoder, is not there.
     """
     path = Path(os.path.realpath(path))
-    if not form.ending and path.exists() and (not path.is_dir() or any(path.iterdir())):
+    if (
+        not form.ending
+        and on_disk.exists(path)
+        and (not on_disk.is_folder(path) or any(path.iterdir()))
+    ):
         raise FileError(path, "exists and is not an empty folder", "choose a new folder")
-    if form.ending and path.exists() and not path.is_file():
+    if form.ending and on_disk.exists(path) and not on_disk.is_file(path):
         raise FileError(path, "cannot be written (it is not a file)", "choose another name")
     try:
         room = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS, Region
@@ -52,7 +53,7 @@ def load_completion(folder: Path, region: Region, rig: Rig) -> CompletionNetwork
         FileError: the file is not a model, or was made for another character.
     """
     path = folder / FOLDER / f"{region.id}{ENDING}"
-    if not path.exists():
+    if not on_disk.exists(path):
         return None
     network = read_completion(path)
     about = network.description

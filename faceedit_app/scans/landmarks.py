@@ -46,7 +46,7 @@ def read_points(path: Path) -> dict[str, Doubles]:
         points = {
             name: np.array(stored[name], np.float64) for name in MAIN_POINTS if name in stored
         }
-    except (ValueError, TypeError, RecursionError) as error:
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise FileError(path, "does not say where points are", remedy) from error
     if len(points) < _FEWEST or any(
         place.shape != (3,) or not np.isfinite(place).all() for place in points.values()

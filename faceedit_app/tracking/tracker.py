@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Bools, Doubles, Times
 from faceedit_app.core.atomic import keep_backup, write_atomically
@@ -280,7 +281,7 @@ def write_take(tracked: Tracked, output: Path, fps: float | None = None) -> Path
         fps = checked_rate(output, fps)
     content = tracked.to_livelink(fps)
     backup = None
-    if output.is_file():
+    if on_disk.is_file(output):
         if output.samefile(tracked.landmarks.path):
             raise FileError(output, "is the film itself", "choose another name for the take")
         if output.read_bytes() != content:

@@ -69,7 +69,8 @@ def test_a_log_that_does_not_say_what_was_written_is_not_trusted(
     older = [json.loads(line) for line in log.read_text().splitlines()]
     for entry in older:
         del entry["made"], entry["again"]
-    log.write_bytes("".join(json.dumps(entry) + "\n" for entry in older).encode() + b"[1]\n\xff\n")
+    damaged = b'[1]\n\xff\n{"name": "a.csv", "tracked": ["x"]}\n{"name": {}}\n' + b"[" * 9999
+    log.write_bytes("".join(json.dumps(entry) + "\n" for entry in older).encode() + damaged)
     (tmp_path / "out" / "a.csv").write_text("mine")
     code, said = batch()
     assert code == 0

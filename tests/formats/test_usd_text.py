@@ -91,6 +91,7 @@ def test_blocked_samples_are_gaps(tmp_path: Path) -> None:
         (", 0.5],", "],", "line 19: has 52 weights where 53 shapes are named"),
         ("0.5, ", "x, ", 'line 19: holds "x", not a number'),
         ("3: [", "2: [", "the time code 2 does not come after 2"),
+        ("3: [", "-: [", 'line 21: holds "-", not a number'),
         ('"eyeBlinkLeft", "eyeLookDownLeft"', '"jawOpen", "eyeLookDownLeft"', "twice"),
     ],
 )

@@ -33,6 +33,7 @@ def test_points_are_read(tmp_path: Path) -> None:
     [
         *("", "[]", "3", "[" * 99999, '{"chin": [0, 0, 0]}'),
         json.dumps({name: [0, 0] for name in POINTS}),
+        json.dumps({name: [10**400, 0, 0] for name in POINTS}),
         json.dumps(dict.fromkeys(POINTS, "here")),
     ],
 )

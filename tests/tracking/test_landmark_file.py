@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +45,17 @@ def test_what_is_drawn_comes_back_to_a_sixteenth_of_a_pixel(tmp_path: Path) -> N
     assert stored.confidence[4] == pytest.approx(0.5, abs=0.01)
 
 
-@pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x05\x06" + bytes(18)])
+def damaged_inside() -> bytes:
+    """An archive of which one member cannot be decompressed."""
+    whole = io.BytesIO()
+    np.savez_compressed(whole, numbers=np.arange(1000))
+    content = whole.getvalue()
+    return content[:60] + b"\xff" * 40 + content[100:]
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"no archive", b"PK\x05\x06" + bytes(18), damaged_inside()]
+)
 def test_something_else_is_one_line(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "take.landmarks.npz"
     path.write_bytes(content)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import BACKUP_SUFFIX
 from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import Fields
@@ -41,7 +42,7 @@ def fingerprint(path: Path) -> Fingerprint:
     Raises:
         FileError: it cannot be read.
     """
-    if path.exists() and not path.is_file():  # a pipe or a device may never end
+    if on_disk.exists(path) and not on_disk.is_file(path):  # a pipe or a device may never end
         raise FileError(path, "cannot be read (it is not a file)", "check the path")
     try:
         with path.open("rb") as file:
@@ -67,7 +68,7 @@ class KnownFile:
     @property
     def was_changed(self) -> bool:
         """Whether it may have been changed since; a file that is gone has not."""
-        if not self.path.is_file():
+        if not on_disk.is_file(self.path):
             return False
         try:
             return fingerprint(self.path) != self.mark

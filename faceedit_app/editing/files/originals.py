@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import keep_backup
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing.files import PROJECT_SUFFIX
@@ -45,7 +46,7 @@ def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
     Returns:
         "" if the file does not exist, or is neither the take nor that of a project.
     """
-    if not path.is_file():
+    if not on_disk.is_file(path):
         return ""
     if _same(path, take):
         return "is the recording itself"

@@ -12,6 +12,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, read_document, to_text
@@ -244,8 +245,8 @@ def _absolute(fields: Fields, project: Path) -> Path:
 
 def locate_character(character: CharacterFile, path: Path | str) -> Path | None:
     """Look for a project's character: in its place, then near it and near the project at `path`."""
-    if character.path.exists() or character.fingerprint is None:
-        return character.path if character.path.exists() else None
+    if on_disk.exists(character.path) or character.fingerprint is None:
+        return character.path if on_disk.exists(character.path) else None
     home = Path(path).absolute().parent
     folders = [character.path.parent, home, home.parent]
     return find_by_content(character.fingerprint, character.path.name, folders)
@@ -303,7 +304,7 @@ def locate(
         folders: where else to look.
     """
     folders = [take.parent, *folders]
-    present, found = take.is_file(), None
+    present, found = on_disk.is_file(take), None
     if present:
         try:
             found = fingerprint(take)

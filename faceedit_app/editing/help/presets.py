@@ -18,6 +18,7 @@ from pathlib import Path
 
 import platformdirs
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError, reason_of
 from faceedit_app.core.fields import FieldError, Fields, clean_text, read_document, to_text
@@ -200,7 +201,7 @@ def save_preset(
         raise FaceEditError("There is no edit in the selection; make one, then save the preset")
     folder = folder or own_folder()
     path = folder / f"{_file_name(name)}.json"
-    if path.exists() and not replace_old:
+    if on_disk.exists(path) and not replace_old:
         raise FileError(path, "there is already a preset of that name", "choose another name")
     try:
         folder.mkdir(parents=True, exist_ok=True)

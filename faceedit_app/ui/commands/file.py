@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
@@ -81,7 +82,7 @@ class FileCommands:
         if is_film(path):
             self.track(path)
             return
-        if may_hold_character(path) and path.is_file():
+        if may_hold_character(path) and on_disk.is_file(path):
             from faceedit_app.formats.registry import is_take  # not needed for other takes
 
             if not is_take(path):

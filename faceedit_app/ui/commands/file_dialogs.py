@@ -9,6 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QHeaderView, QMessageBox, QTreeView, QWidget
 
+from faceedit_app.core import on_disk
 from faceedit_app.ui.look.widgets import resize_on_screen, shown_once
 
 _SIZE = (860, 540)  # pixels of Qt's dialog
@@ -45,7 +46,7 @@ def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path
         dialog.selectFile(suggestion.name)
         while (chosen := _chosen(dialog)) is not None:
             path = _with_ending(chosen, suggestion.suffix, kinds)
-            if path == chosen or not path.exists() or _may_replace(parent, path):
+            if path == chosen or not on_disk.exists(path) or _may_replace(parent, path):
                 return path
     return None
 

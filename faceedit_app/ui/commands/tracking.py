@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
@@ -25,7 +26,7 @@ if TYPE_CHECKING:  # these bring much along
 def suggested_take(film: Path) -> Path:
     """A name for the take of a film that does not exist yet, beside it."""
     for name in (f"{film.stem}.csv", f"{film.stem}_tracked.csv"):
-        if not film.with_name(name).exists():
+        if not on_disk.exists(film.with_name(name)):
             return film.with_name(name)
     return film.with_name(f"{film.stem}_tracked.csv")
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.ui.commands import dialogs, file_kinds
 from faceedit_app.ui.commands.workspace import Workspace
@@ -19,7 +20,7 @@ if TYPE_CHECKING:  # loaded with the first recording
 def suggested_film(folder: Path) -> Path:
     """A name for a film that does not exist yet."""
     names = (f"performance{number}.mp4" for number in itertools.chain([""], itertools.count(2)))
-    return next(folder / name for name in names if not (folder / name).exists())
+    return next(folder / name for name in names if not on_disk.exists(folder / name))
 
 
 class WebcamRecording:
@@ -80,7 +81,7 @@ class WebcamRecording:
             return
         if film.suffix.lower() != ".mp4":
             film = film.with_name(f"{film.name}.mp4")
-        if film.exists():
+        if on_disk.exists(film):
             self._failed(FileError(film, "exists", "choose a new name for the film"))
             return
         preferences.set_folder("media", film.resolve().parent)

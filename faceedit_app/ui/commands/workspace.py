@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QWidget
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resources import is_demo_take
 from faceedit_app.ui.media.sound_player import SoundPlayer
@@ -94,7 +95,7 @@ class Workspace(QObject):
             kind: of the dialog, see `Preferences.folder`.
         """
         take = self.document.path
-        if take is None or is_demo_take(take) or not take.parent.is_dir():
+        if take is None or is_demo_take(take) or not on_disk.is_folder(take.parent):
             return self.preferences.folder(kind)
         return take.parent
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.errors import FileError
 from faceedit_app.tracking.drawing import ENDING
@@ -44,7 +45,7 @@ class LandmarksOverlay(QObject):
         """Another take is open."""
         self.clear()
         path = take.with_name(take.stem + ENDING)
-        if not path.is_file():
+        if not on_disk.is_file(path):
             return
         self._wanted = path
 

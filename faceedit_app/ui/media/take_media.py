@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.formats.timecode import time_of_day
@@ -183,7 +184,7 @@ class TakeMedia(QObject):
     def _read(self, kind: MediaKind, entry: MediaFile, beside_take: bool) -> None:
         """Read a file, and use it unless it is out of date by then."""
         path, job = entry.path, self._job
-        if not path.is_file():
+        if not on_disk.is_file(path):
             error = FileError(path, "is missing", "find it and add it again")
             self.missed.emit(error)
             return

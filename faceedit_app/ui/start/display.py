@@ -7,6 +7,8 @@ import socket
 import sys
 from pathlib import Path
 
+from faceedit_app.core import on_disk
+
 
 def has_display() -> bool:
     """Whether there is a display, or Qt is set to run without one."""
@@ -20,7 +22,8 @@ def has_display() -> bool:
 
 def _wayland_answers() -> bool:
     name = os.environ.get("WAYLAND_DISPLAY")
-    return bool(name) and (Path(os.environ.get("XDG_RUNTIME_DIR", "/run")) / str(name)).exists()
+    folder = Path(os.environ.get("XDG_RUNTIME_DIR", "/run"))
+    return bool(name) and on_disk.exists(folder / str(name))
 
 
 def _x11_answers() -> bool:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QSettings
-from PySide6.QtWidgets import QMainWindow, QSplitter
+
+from faceedit_app.core import on_disk
+
+if TYPE_CHECKING:  # the attacks read settings where there is no window
+    from PySide6.QtWidgets import QMainWindow, QSplitter
 
 RECENT = 8
 
@@ -30,7 +36,7 @@ class Preferences:
         """Recent takes, newest first, without those that are gone."""
         value = self._settings.value("recent", [])
         names = [value] if isinstance(value, str) else value if isinstance(value, list) else []
-        return [path for path in map(Path, names) if path.is_file()]
+        return [path for path in map(Path, names) if on_disk.is_file(path)]
 
     def add_recent(self, path: Path) -> None:
         """Remember that a take was opened."""
@@ -46,7 +52,7 @@ class Preferences:
         """Recent characters, newest first, without those that are gone."""
         value = self._settings.value("recent_characters", [])
         names = [value] if isinstance(value, str) else value if isinstance(value, list) else []
-        return [path for path in map(Path, names) if path.exists()]
+        return [path for path in map(Path, names) if on_disk.exists(path)]
 
     def add_recent_character(self, path: Path) -> None:
         """Remember that a character was opened."""
@@ -58,7 +64,7 @@ class Preferences:
         """Where a kind of file dialog was last used, else where takes are, else the home folder."""
         for known in (kind, "take"):
             text = str(self._settings.value(f"folder/{known}", ""))
-            if text and (folder := Path(text)).is_dir():
+            if text and on_disk.is_folder(folder := Path(text)):
                 return folder
         return Path.home()
 
@@ -71,6 +77,8 @@ class Preferences:
         try:
             loud = float(str(self._settings.value("volume", 1.0)))
         except ValueError:
+            loud = 1.0
+        if math.isnan(loud):
             loud = 1.0
         return min(max(loud, 0.0), 1.0), str(self._settings.value("muted", "false")) == "true"
 
