@@ -23,12 +23,21 @@ def fuzz(
     inputs: Annotated[int, typer.Option(min=1, help="Damaged files in all.")] = 10_000,
     seed: SeedOption = 1,
     keep: KeepOption = Path("fuzz-failures"),
+    jobs: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(min=1, help="How many processes read; default: one for each processor."),
+    ] = None,
+    minutes: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(min=0.05, help="Stop after these, though not all files were tried."),
+    ] = None,
 ) -> int:
     """Feed damaged files to every reader: each is read rightly or refused in one line."""
     from faceedit_app.lab.attacks.fuzz import fuzz as attack
 
+    seconds = None if minutes is None else 60.0 * minutes
     with bar("Fuzzing", inputs) as advance:
-        found = attack(inputs, seed, keep, samples or (), advance)
+        found = attack(inputs, seed, keep, samples or (), advance, jobs, seconds)
     say("\n".join(found.lines()))
     return _verdict(seed, len(found.failures))
 

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import random
 import sys
 import threading
 from pathlib import Path
 
 import pytest
+from support.reading import DEADLY, ENDLESS, pretended
 
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.lab.attacks import fuzz as fuzzing
-from faceedit_app.lab.attacks.fuzz import Failure, Findings, fuzz
+from faceedit_app.lab.attacks import fuzz_watch
+from faceedit_app.lab.attacks.fuzz import Findings, fuzz
+from faceedit_app.lab.attacks.fuzz_job import Result
+from faceedit_app.lab.attacks.fuzz_process import outcome_of
 from faceedit_app.lab.attacks.kill import kill
 from faceedit_app.lab.attacks.mutation import mutated
-from faceedit_app.lab.attacks.readers import Reader, all_readers, readers_of
+from faceedit_app.lab.attacks.reader import Reader
+from faceedit_app.lab.attacks.readers import all_readers, readers_of
 from faceedit_app.lab.attacks.soak import Soaked, soak
 from faceedit_app.lab.attacks.watchdog import Watchdog
 
@@ -43,49 +47,58 @@ def test_every_reader_reads_its_undamaged_file(tmp_path: Path) -> None:
 
 
 def test_damaged_files_are_read_rightly_or_refused(tmp_path: Path) -> None:
-    found = fuzz(150, seed=4, keep=tmp_path)
+    found = fuzz(170, seed=4, keep=tmp_path, jobs=1)
     assert not found.failures, found.lines()
-    assert sum((found.read + found.refused).values()) == 150
-    assert sum(found.refused.values()) > 25
+    assert found.inputs == 170
+    assert found.read.total() > 10
+    assert found.refused.total() > 70
 
 
 @pytest.mark.parametrize(
-    ("error", "result"),
+    ("error", "outcome"),
     [
         (None, "read"),
-        (FileError("a", "is damaged", "copy it"), "refused"),
+        (FileError("input.csv", "is damaged", "copy it"), "refused"),
+        (FileError("other.csv", "is damaged", "copy it"), "its error does not name the file"),
         (KeyError("jawOpen"), "KeyError: \"'jawOpen'\""),
         (MemoryError(), "MemoryError: ''"),
     ],
 )
 def test_what_a_reader_raises_decides_about_an_input(
-    tmp_path: Path, error: Exception | None, result: str
+    tmp_path: Path, error: Exception | None, outcome: str
 ) -> None:
     def read(_path: Path) -> None:
         if error is not None:
             raise error
 
-    assert fuzzing._result(Reader("takes", ".csv", b"", read), tmp_path) == result
+    reader = Reader("takes", ".csv", b"", read)
+    assert outcome_of(reader, tmp_path / "input.csv").startswith(outcome)
 
 
-def test_a_reader_that_hangs_is_a_failure_and_the_attack_goes_on(tmp_path: Path) -> None:
-    (tmp_path / "inputs").mkdir()
-    (tmp_path / "inputs" / "input.csv").write_bytes(b"1,2")
-    ours, theirs = multiprocessing.Pipe(duplex=False)
-    for message in (("begin", 3, "takes"), ("hang",)):
-        theirs.send(message)
-    found, keep = Findings(), tmp_path / "kept"
-    assert fuzzing._listen(ours, 3, found, tmp_path, keep, lambda _done: None) == 4
-    (failure,) = found.failures
-    assert (failure.number, failure.reader) == (3, "takes")
-    assert failure.problem.startswith("hangs")
-    assert failure.path.read_bytes() == b"1,2"
+@pytest.mark.skipif(sys.platform != "linux", reason="no processor time of other processes")
+def test_a_file_that_kills_or_stops_its_reader_is_a_failure_and_all_others_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fuzz_watch, "_read", pretended)
+    monkeypatch.setattr(fuzz_watch, "PATIENCE", 0.2)
+    monkeypatch.setattr(fuzz_watch, "LOOKS", 0.02)
+    monkeypatch.setattr(fuzzing, "_BLOCK", 6)
+    found = fuzz(24, seed=9, keep=tmp_path, jobs=2)
+    problems = {failure.number: failure for failure in found.failures}
+    assert problems.keys() == {DEADLY, ENDLESS}
+    assert problems[DEADLY].outcome == "ends the program"
+    assert problems[ENDLESS].outcome.startswith("hangs")
+    for number, failure in problems.items():
+        assert failure.path is not None
+        assert failure.path.read_text() == f"9 {number}"
+    assert found.inputs == 24
+    assert found.refused == {"takes": 8}
 
 
 def test_a_failure_is_printed_with_its_seed_and_ends_in_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    failed = Findings(failures=[Failure(17, "takes", "KeyError", tmp_path / "fuzz_17_takes.csv")])
+    failed = Findings(failures=[Result(17, "takes", "KeyError", tmp_path / "fuzz_17_takes.csv")])
     monkeypatch.setattr(fuzzing, "fuzz", lambda *_: failed)
     assert main(["fuzz", "--seed", "5"]) == 1
     said = capsys.readouterr().out

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import random
 import re
+import struct
+import zipfile
 
 # What readers trip over: limits of integers and floats, deep nesting, text that is not text.
 _NUMBERS = (
@@ -24,12 +27,58 @@ _TOKENS = (
     *(b",,,,", b";", b"\t", b"\r", b"\xe2\x80\xae", b'"a""b"', b"23:59:59:59", b"00:00:00:00"),
 )
 _NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?")
+# What may stand where a document has something else.
+_VALUES = (
+    *(b"null", b"true", b"[]", b"{}", b'""', b'"x"', b"[[]]", b"-1", b"0", b"2.5", b"1e308"),
+    *(b"[null]", b'{"": 0}', b'[1,"a"]', b'"\\u0000"', b'"' + b"y" * 500 + b'"'),
+)
+_VALUE = re.compile(rb'"(?:[^"\\]|\\.){0,300}"|-?\d+(?:\.\d+)?|true|false|null')
 _BYTES = (0x00, 0x01, 0x7F, 0x80, 0xFE, 0xFF)
 _MOST = 8  # changes to one file
+_INSIDE = 0.7  # of the containers are whole, and what is in them is damaged
+_GLB = struct.Struct("<4sIII4s")  # up to the first chunk
+_CHUNK = struct.Struct("<I4s")
 
 
 def mutated(content: bytes, chance: random.Random) -> bytes:
     """A damaged copy of a file's content."""
+    if content.startswith(b"glTF") and chance.random() < _INSIDE:
+        return _with_damaged_chunk(content, chance)
+    if content.startswith(b"PK") and chance.random() < _INSIDE:
+        return _with_damaged_member(content, chance)
+    return _damaged(content, chance)
+
+
+def _with_damaged_chunk(content: bytes, chance: random.Random) -> bytes:
+    """A GLB that is damaged inside one of its two chunks, whose lengths are right."""
+    magic, version, _, length, kind = _GLB.unpack_from(content)
+    text = content[_GLB.size : _GLB.size + length]
+    binary = content[_GLB.size + length + _CHUNK.size :]
+    if chance.random() < _INSIDE:
+        text = _damaged(text, chance)
+        text += b" " * (-len(text) % 4)
+    else:
+        binary = _damaged(binary, chance)
+        binary += b"\0" * (-len(binary) % 4)
+    total = _GLB.size + len(text) + _CHUNK.size + len(binary)
+    head = _GLB.pack(magic, version, total, len(text), kind)
+    return head + text + _CHUNK.pack(len(binary), b"BIN\0") + binary
+
+
+def _with_damaged_member(content: bytes, chance: random.Random) -> bytes:
+    """An archive in which one member is damaged."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(content)) as archive, zipfile.ZipFile(out, "w") as new:
+        names = archive.namelist()
+        damaged = chance.choice(names)
+        for name in names:
+            member = archive.read(name)
+            new.writestr(name, _damaged(member, chance) if name == damaged else member)
+    return out.getvalue()
+
+
+def _damaged(content: bytes, chance: random.Random) -> bytes:
+    """A copy with some changes."""
     data = bytearray(content)
     for _ in range(chance.choice((1, 1, 1, 2, 3, _MOST))):
         chance.choice(_CHANGES)(data, chance)
@@ -65,6 +114,12 @@ def _replace_number(data: bytearray, chance: random.Random) -> None:
         data[match.start() : match.end()] = chance.choice(tokens)
 
 
+def _replace_value(data: bytearray, chance: random.Random) -> None:
+    match = _VALUE.search(data, _place(data, chance))
+    if match is not None:
+        data[match.start() : match.end()] = chance.choice(_VALUES)
+
+
 def _delete(data: bytearray, chance: random.Random) -> None:
     at = _place(data, chance)
     del data[at : at + chance.choice((1, 2, 4, 30, 500))]
@@ -88,4 +143,5 @@ def _move(data: bytearray, chance: random.Random) -> None:
 _CHANGES = (
     *(_flip, _set_byte, _insert, _delete, _repeat, _cut_off, _move),
     *(_replace_number,) * 5,  # what leaves a text valid goes deepest
+    *(_replace_value,) * 3,
 )
