@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from support.rigs import tiny_session
 from support.waiting import wait_for_timers
 
 from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.visible_curves import EMPTY
 
 STEPS = 3
 
@@ -107,6 +109,38 @@ def test_all_plots_are_painted_in_one_round(qtbot: QtBot) -> None:
     QApplication.processEvents()
     assert rounds.count == 1
     assert_nothing_is_stale(panel, "after one round")
+
+
+def test_what_moves_less_than_can_be_seen_is_not_painted_until_it_can(qtbot: QtBot) -> None:
+    panel = open_panel(qtbot, tiny_session())
+    plot = panel.plots[0]
+    QApplication.processEvents()
+    painted = Painted(surface(plot))
+    surface(plot).installEventFilter(painted)
+    face, (low, high) = plot.lines.face, plot.values
+    little = 0.004 * (high - low) / plot.view.height()
+    for moved, expected in ((little, 0), (little, 0), (1.0, 1)):
+        face = replace(face, y=face.y + moved)
+        plot.show_lines(replace(plot.lines, face=face))
+        QApplication.processEvents()
+        assert painted.count == expected, moved
+    plot.show_lines(replace(plot.lines, face=replace(face, y=face.y + little)))
+    start = float(face.y[0])
+    plot.show_values((start - 0.1, start + 0.1))
+    shown = on_screen(panel)
+    for line in (EMPTY, plot.lines.face):
+        plot.show_lines(replace(plot.lines, face=line))
+    assert np.array_equal(on_screen(panel), shown), "drawn where it is, closer up"
+
+
+class Painted(QObject):
+    """Counts how often a widget is painted."""
+
+    count = 0
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() == QEvent.Type.Paint
+        return False
 
 
 def test_a_selection_is_as_high_as_its_plot_whatever_the_axis_does(qtbot: QtBot) -> None:

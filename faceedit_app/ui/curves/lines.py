@@ -16,10 +16,14 @@ from faceedit_app.ui.curves.visible_curves import EMPTY, Lines, Polyline
 from faceedit_app.ui.look.guard import guarded
 
 _EDGE = 5.0  # greatest pixels from the centre of a line to its edge
+# Pixels that a line may move and not be drawn again: its pixels would differ by two steps of 255.
+_UNSEEN = 0.01
 
 
 class CurveLines(ViewItem):
     """Draws the tracked, face and asked-for lines; repaints only between the times that changed.
+
+    A mouth that opens moves the lids by a tenth of a micrometre. That is not drawn again.
 
     pyqtgraph's own curve items take three times as long: one per line, and wide pens (`Stroke`).
     """
@@ -27,29 +31,44 @@ class CurveLines(ViewItem):
     def __init__(self, color: str) -> None:
         # Edge, left, right, top and height of the view.
         self._room: tuple[float, float, float, float, float] | None = None
-        super().__init__()
+        self._unseen: float | None = None
         self.lines = Lines()
         self._tracked = Stroke(style.tracked_pen())
         self._face = Stroke(style.face_pen(color))
         self._asked = Stroke(style.asked_pen())
         self._character = Stroke(style.character_pen())
+        super().__init__()
 
     def show_lines(self, lines: Lines) -> None:
         """Set the lines to draw."""
         self.lines = lines
-        changed = (
-            self._tracked.show_line(lines.tracked),
-            self._face.show_line(lines.face),
-            self._asked.show_line(lines.asked),
-            self._character.show_line(lines.character),
-        )
-        spans = [span for span in changed if span is not None]
+        spans = self._set_lines(self.unseen)
         if spans:
             self._update_between(min(span[0] for span in spans), max(span[1] for span in spans))
 
+    def _set_lines(self, unseen: float) -> list[Interval]:
+        """Where the lines have changed visibly."""
+        lines = self.lines
+        changed = (
+            self._tracked.show_line(lines.tracked, unseen),
+            self._face.show_line(lines.face, unseen),
+            self._asked.show_line(lines.asked, unseen),
+            self._character.show_line(lines.character, unseen),
+        )
+        return [span for span in changed if span is not None]
+
+    @property
+    def unseen(self) -> float:
+        """How far a value may move without being seen to, in millimetres."""
+        if self._unseen is None:
+            view = self.getViewBox()
+            self._unseen = _UNSEEN * self.boundingRect().height() / max(view.height(), 1.0)
+        return self._unseen
+
     def forget(self) -> None:
-        """Forget the cached box: the scale changed."""
-        self._room = None
+        """The scale changed: forget what was measured, and draw what could not be seen in it."""
+        self._room = self._unseen = None
+        self._set_lines(0.0)
         super().forget()
 
     def _update_between(self, first: float, last: float) -> None:
@@ -89,9 +108,13 @@ class Stroke:
         self._line, self._points, self._path = EMPTY, QPolygonF(), QPainterPath()
         self._hair: tuple[float, QPen] = (0.0, pen)
 
-    def show_line(self, line: Polyline) -> Interval | None:
-        """Set the points; returns first and last second of the visible change, None if none."""
-        changed = line.changed_from(self._line)
+    def show_line(self, line: Polyline, unseen: float = 0.0) -> Interval | None:
+        """Set the points; returns first and last second of the visible change, None if none.
+
+        Args:
+            unseen: how far values may move without being seen to; they then keep their place.
+        """
+        changed = line.changed_from(self._line, unseen)
         if changed is not None:
             self._line = line
             if line.joined is None:

@@ -111,7 +111,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.close_up = False  # whether they fit even the smallest movements
         self.shows_focus = False
         self._marks, self._active = Marks(), False
-        self._at = (0.0, 0.0)  # the playhead, and the face's value there
+        self._at = self._drawn_at = (0.0, 0.0)  # the playhead, and the face's value there
         self._lay_out()
         self._fill()
         self.setObjectName(f"plot_{control.id}")
@@ -201,12 +201,17 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         if marks != self._marks:
             self._marks = marks
             self._spans.show(marks.selection, marks.edit, marks.alpha)
-        if (playhead, dot) != self._at:
-            self._at = playhead, dot
-            self._playhead.setValue(playhead)
-            self._dot.setPos(playhead, dot)
+        self._at = playhead, dot
+        drawn, height = self._drawn_at
+        if playhead != drawn or abs(dot - height) > self._lines.unseen:
+            self._show_dot()
         if handle != self.handle:
             self._show_handle(handle)
+
+    def _show_dot(self) -> None:
+        self._drawn_at = self._at
+        self._playhead.setValue(self._at[0])
+        self._dot.setPos(*self._at)
 
     def _show_handle(self, handle: Handle | None) -> None:
         self.handle = handle
@@ -229,6 +234,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
 
     def _choose_values(self) -> None:
         self.values_chosen = True
+        self._show_dot()  # closer up, a place that could not be told from its own perhaps can be
 
     # --- events ----------------------------------------------------------------------------
 

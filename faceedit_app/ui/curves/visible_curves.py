@@ -43,13 +43,17 @@ class Polyline:
     joined: Mask | None = None
     thinned: bool = False
 
-    def changed_from(self, before: Polyline) -> Interval | None:
-        """First and last second of the visible change; None if there is none."""
+    def changed_from(self, before: Polyline, unseen: float = 0.0) -> Interval | None:
+        """First and last second of the visible change; None if there is none.
+
+        Args:
+            unseen: how far values may move without being seen to.
+        """
         if self is before:
             return None
         if self.x is before.x:
             rows = np.flatnonzero(self.y != before.y)
-            if not len(rows):
+            if not len(rows) or np.abs(self.y[rows] - before.y[rows]).max() <= unseen:
                 return None
             first, last = max(rows[0] - 1, 0), min(rows[-1] + 1, len(self.x) - 1)
             return float(self.x[first]), float(self.x[last])
