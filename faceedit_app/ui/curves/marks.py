@@ -27,6 +27,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Op
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.backdrop import Backdrop
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.paint import draw_tag, fitting, tag_box
 from faceedit_app.ui.curves.scale import Interval, Scale
@@ -64,6 +65,7 @@ class SpanRegion(MeasuredItem, pg.LinearRegionItem):
         """Show a span, or None; `alpha` is the opacity of the fill, 0..255."""
         if (span, alpha) == self._shown:
             return
+        self.redraw()
         self._shown = span, alpha
         self.setVisible(span is not None)
         if span is None:
@@ -72,7 +74,7 @@ class SpanRegion(MeasuredItem, pg.LinearRegionItem):
         self.forget()
         self.setRegion((span.start, span.end))
         self.setBrush(style.color(self._color, alpha))
-        self.update()
+        self.redraw()
 
     def _measure(self, view: QRectF, pixel: float) -> QRectF:
         """The whole span, hold and falloffs; the hold of a single frame is one pixel wide."""
@@ -128,10 +130,11 @@ class Spans:
 
     Args:
         view: where they are shown.
+        backdrop: what draws them; None = the scene of the view.
     """
 
-    def __init__(self, view: pg.ViewBox) -> None:
-        self._view = view
+    def __init__(self, view: pg.ViewBox, backdrop: Backdrop | None = None) -> None:
+        self._view, self._backdrop = view, backdrop
         self._selection: SpanRegion | None = None
         self._edit: SpanRegion | None = None
 
@@ -149,6 +152,8 @@ class Spans:
     def _added(self, region: SpanRegion, height: float) -> SpanRegion:
         region.setZValue(height)
         self._view.addItem(region, ignoreBounds=True)
+        if self._backdrop is not None:
+            region.move_behind(self._backdrop)
         return region
 
 
@@ -175,8 +180,9 @@ class Gaps(ViewItem):
     def show_gaps(self, gaps: Sequence[Interval]) -> None:
         """Hatch from the last frame before each gap to the first after it."""
         self._gaps = gaps
+        self.redraw()
         self.setVisible(bool(gaps))
-        self.update()
+        self.redraw()
 
     @guarded
     def paint(

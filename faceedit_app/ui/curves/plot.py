@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import pyqtgraph as pg
-from PySide6.QtCore import QPoint, QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent, QMouseEvent
+from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent, QMouseEvent, QPainter
 from PySide6.QtWidgets import QSizePolicy
 
 from faceedit_app.core.controls import Control
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.axes import GridLines, ValueAxis
+from faceedit_app.ui.curves.backdrop import Backdrop
 from faceedit_app.ui.curves.gestures import Pointer, Span
 from faceedit_app.ui.curves.lines import CurveLines
 from faceedit_app.ui.curves.marks import (
@@ -27,6 +28,7 @@ from faceedit_app.ui.curves.marks import (
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
 from faceedit_app.ui.curves.visible_curves import Lines
+from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 _GAP_ALPHA = 90
@@ -135,8 +137,10 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     def _fill(self) -> None:
         """Put in what is seen, from the back to the front."""
         color = self.control.color
-        self._spans = Spans(self.view)
+        self._backdrop = Backdrop(self, self.view)
+        self._spans = Spans(self.view, self._backdrop)
         self._gaps, self._lines = Gaps(_GAP_ALPHA), CurveLines(color)
+        grid = GridLines(self.axis)
         self._pins, self._playhead = Pins(), Playhead()
         self._dot = dot(2.5, color, color)
         self._handle_dot = dot(5.0, style.PLOT, style.ASKED)
@@ -145,8 +149,8 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self._handle_dot.hide()
         for item in (
             self._gaps,
+            grid,
             self._pins,
-            GridLines(self.axis),
             self._lines,
             self._playhead,
             self._dot,
@@ -154,6 +158,8 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
             self._numbers,
         ):
             self.view.addItem(item, ignoreBounds=True)
+        for item in (self._gaps, grid):
+            item.move_behind(self._backdrop)
 
     # --- contents --------------------------------------------------------------------------
 
@@ -235,6 +241,12 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     def _choose_values(self) -> None:
         self.values_chosen = True
         self._show_dot()  # closer up, a place that could not be told from its own perhaps can be
+
+    @guarded
+    def drawBackground(self, painter: QPainter, rect: QRectF) -> None:
+        """Draw what lies behind the curves; Qt keeps it as a picture."""
+        super().drawBackground(painter, rect)
+        self._backdrop.paint(painter)
 
     # --- events ----------------------------------------------------------------------------
 

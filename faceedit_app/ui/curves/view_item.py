@@ -5,21 +5,42 @@ from __future__ import annotations
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 
+from faceedit_app.ui.curves.backdrop import Backdrop
+
 
 class MeasuredItem(pg.GraphicsItem):
-    """Keeps an item's box until the view changes; pyqtgraph's own items measure it each time."""
+    """Keeps an item's box until the view changes; pyqtgraph's own items measure it each time.
+
+    Attributes:
+        backdrop: what draws it; None = the scene.
+    """
 
     _rect: QRectF | None = None
+    backdrop: Backdrop | None = None
 
     def viewTransformChanged(self) -> None:
         """Other seconds or millimetres are in view, or the view has another size."""
         super().viewTransformChanged()
         self.forget()
+        if self.backdrop is not None:
+            self.backdrop.renew()
 
     def forget(self) -> None:
         """Measure again what depends on the view."""
         self._rect = None
         self.prepareGeometryChange()
+
+    def move_behind(self, backdrop: Backdrop) -> None:
+        """Let a backdrop draw it from now on."""
+        self.backdrop = backdrop
+        backdrop.add(self)
+
+    def redraw(self) -> None:
+        """Draw it again where it is now."""
+        if self.backdrop is None:
+            self.update()
+        elif self.isVisible():
+            self.backdrop.renew(self.mapRectToScene(self.boundingRect()))
 
     def boundingRect(self) -> QRectF:
         """The box, in seconds and millimetres."""
