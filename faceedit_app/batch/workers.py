@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
+from types import FrameType
 
 from faceedit_app.batch.log import Log, to_do
 from faceedit_app.batch.tasks import Outcome, Task, perform
@@ -16,42 +20,84 @@ from faceedit_app.core.optional import require
 _LOST = "the process that worked on it ended; try this take alone"
 
 
-def run_here(tasks: list[Task], jobs: int) -> Iterator[Outcome]:
-    """Do the tasks in `jobs` processes of this computer; outcomes as they come."""
+def run_here(tasks: list[Task], jobs: int) -> Generator[Outcome]:
+    """Do the tasks in `jobs` processes of this computer; outcomes as they come.
+
+    If it is closed, or at Ctrl+C, the processes end at once; what they had not written is not
+    written.
+    """
     if jobs <= 1:
         yield from map(perform, tasks)
         return
     broken: list[Task] = []
-    with _pool(jobs) as pool:
-        waiting: dict[Future[Outcome], Task] = {pool.submit(perform, task): task for task in tasks}
-        try:
-            for future in as_completed(waiting):
-                try:
-                    yield future.result()
-                except BrokenProcessPool:
-                    broken.append(waiting[future])
-        finally:  # at Ctrl+C, what was not begun is not done
-            pool.shutdown(cancel_futures=True)
-    for task in broken:  # one of them ended its process, and the others with it: each alone now
-        with _pool(1) as pool:
+    with _working(tasks, jobs) as waiting:
+        for future in as_completed(waiting):
             try:
-                yield pool.submit(perform, task).result()
+                yield future.result()
+            except BrokenProcessPool:
+                broken.append(waiting[future])
+    for task in broken:  # one of them ended its process, and the others with it: each alone now
+        with _working([task], 1) as waiting:
+            try:
+                yield next(iter(waiting)).result()
             except BrokenProcessPool:
                 yield Outcome(task.name, f"{task.source}: {_LOST}")
 
 
-def _pool(jobs: int) -> ProcessPoolExecutor:
+@contextmanager
+def _working(tasks: list[Task], jobs: int) -> Iterator[dict[Future[Outcome], Task]]:
+    """The outcomes to come, from processes that end with the block, at once after an exception."""
     # Not by fork: the parent has threads of numpy and ONNX Runtime.
     context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(jobs, context, initializer=_leave_ctrl_c)
+    others = set(multiprocessing.active_children())
+    with ProcessPoolExecutor(jobs, context, initializer=_end_when_asked) as pool:
+        try:
+            with _ctrl_c_waits():
+                waiting = {pool.submit(_work, perform, task): task for task in tasks}
+            yield waiting
+        except BaseException:
+            for process in set(multiprocessing.active_children()) - others:
+                process.terminate()
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
-def _leave_ctrl_c() -> None:
-    """In a process of a batch: Ctrl+C is for the parent, which ends it."""
+@contextmanager
+def _ctrl_c_waits() -> Iterator[None]:
+    """Ctrl+C waits, and never reaches processes that begin meanwhile: the parent ends them."""
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # processes inherit it
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _End(SystemExit):
+    """The parent ends this process."""
+
+
+def _end_when_asked() -> None:
+    """In a process of a batch: end when the parent says so, and tidy up first."""
+
+    def end(_signal: int, _frame: FrameType | None) -> None:
+        raise _End
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, end)
 
 
-def run_on_cluster(tasks: list[Task], scheduler: str) -> Iterator[Outcome]:
+def _work(do: Callable[[Task], Outcome], task: Task) -> Outcome:
+    """Do a task in a process of a batch."""
+    try:
+        return do(task)
+    except _End:  # the pool would go on with the next task
+        os._exit(0)
+
+
+def run_on_cluster(tasks: list[Task], scheduler: str) -> Generator[Outcome]:
     """Do the tasks on a Dask cluster whose workers see the same folders; outcomes as they come.
 
     Dask gives the task of a lost worker to another one. Writing is atomic and gives the same bytes,
@@ -96,9 +142,10 @@ def run(
     outcomes, left = log.outcomes(), to_do(tasks, log)
     done = len(tasks) - len(left)
     found = run_on_cluster(left, scheduler) if scheduler else run_here(left, jobs)
-    for outcome in found if left else ():
-        log.add(outcome)
-        outcomes[outcome.name] = outcome
-        done += 1
-        progress(outcome, done, len(tasks))
+    with closing(found):  # the processes end before what went wrong is reported
+        for outcome in found if left else ():
+            log.add(outcome)
+            outcomes[outcome.name] = outcome
+            done += 1
+            progress(outcome, done, len(tasks))
     return [outcomes[task.name] for task in tasks]

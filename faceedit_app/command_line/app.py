@@ -15,6 +15,7 @@ from faceedit_app.command_line import (
     attacks,
     batch,
     character,
+    ctrl_c,
     laboratory,
     live,
     pictures,
@@ -44,7 +45,8 @@ def run_command(given: list[str]) -> int:
         KeyboardInterrupt: the user pressed Ctrl+C.
     """
     try:
-        code = int(_all()(given, prog_name="faceedit", standalone_mode=False) or 0)
+        with ctrl_c.heard():
+            code = int(_all()(given, prog_name="faceedit", standalone_mode=False) or 0)
     except typer.TyperException as error:
         say(f"faceedit: {error.format_message()}", to=sys.stderr)
         return USAGE_ERROR

@@ -55,11 +55,13 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         # mkstemp makes private files; an export gets the permissions of any other new file.
         temporary.chmod(_permissions(path))
         temporary.replace(path)
-    except OSError as error:
+    except BaseException as error:  # Ctrl+C leaves nothing behind either
         if temporary is not None:
             with contextlib.suppress(OSError):
                 temporary.unlink()
-        raise not_written(path, error) from error
+        if isinstance(error, OSError):
+            raise not_written(path, error) from error
+        raise
     remove_leftovers(path.parent)
 
 
@@ -151,7 +153,7 @@ def keep_backup(path: Path | str) -> Path:
         backup = path.with_name(f"{path.name}{BACKUP_SUFFIX}{number if number > 1 else ''}")
         try:
             if not backup.exists():
-                shutil.copy2(path, backup)
+                _copy(path, backup)
                 return backup
             if filecmp.cmp(path, backup, shallow=False):
                 return backup
@@ -161,6 +163,15 @@ def keep_backup(path: Path | str) -> Path:
                 backup, f"cannot be written ({reason})", "choose another name for the new file"
             ) from error
     raise AssertionError("unreachable")
+
+
+def _copy(path: Path, copy: Path) -> None:
+    """Copy a file, or leave nothing behind."""
+    try:
+        shutil.copy2(path, copy)
+    except BaseException:
+        copy.unlink(missing_ok=True)
+        raise
 
 
 def keep_inputs(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+import multiprocessing
 import os
 import signal
+import threading
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -22,6 +24,7 @@ from faceedit_app.batch.recipe import Recipe, parse_recipe
 from faceedit_app.batch.report import write_reports
 from faceedit_app.batch.tasks import LOG, Outcome, Task, perform, plan
 from faceedit_app.cli import main
+from faceedit_app.command_line import ctrl_c
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.files.project import Project, write_project
 from faceedit_app.editing.opening import open_session
@@ -279,6 +282,30 @@ def test_a_process_that_ends_takes_no_other_take_with_it(
     assert set(found) == {"a.csv", "bad.csv", "day 2/b.csv"}
     assert [name for name, one in found.items() if one.error] == ["bad.csv"]
     assert "try this take alone" in found["bad.csv"].error
+
+
+def test_ctrl_c_ends_all_processes_at_once_and_tidies_up(
+    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workers, "perform", _is_stopped)
+    (tmp_path / "out").mkdir()
+    tasks, _ = plan(takes, tmp_path / "out", Recipe())
+    others = multiprocessing.active_children()
+    with pytest.raises(KeyboardInterrupt), ctrl_c.heard():
+        list(workers.run_here(tasks[:1], 2))
+    assert multiprocessing.active_children() == others
+    assert not tasks[0].output.exists()
+
+
+def _is_stopped(task: Task) -> Outcome:
+    """Ctrl+C comes in the middle of a task that would never end."""
+    try:
+        task.output.touch()
+        os.kill(os.getppid(), signal.SIGINT)
+        threading.Event().wait()
+    finally:
+        task.output.unlink()
+    return Outcome(task.name)
 
 
 def _ends_at_bad(task: Task) -> Outcome:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from faceedit_app.core.atomic import remove_leftovers, write_atomically
+from faceedit_app.core.atomic import keep_backup, remove_leftovers, write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.filelock import lock
 
@@ -48,6 +48,29 @@ def test_a_failure_leaves_the_old_file_and_says_so_in_one_line(
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(FileError, match=r"take\.csv: cannot be written \(no space left on device"):
         write_atomically(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert [p.name for p in tmp_path.iterdir()] == ["take.csv"]
+
+
+def test_ctrl_c_leaves_the_old_file_and_nothing_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "take.csv"
+    path.write_bytes(b"old")
+
+    def stopped(*_anything: object) -> None:
+        raise KeyboardInterrupt
+
+    def stopped_copy(_path: Path, copy: Path) -> None:
+        copy.write_bytes(b"o")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "fsync", stopped)
+    monkeypatch.setattr("shutil.copy2", stopped_copy)
+    with pytest.raises(KeyboardInterrupt):
+        write_atomically(path, b"new")
+    with pytest.raises(KeyboardInterrupt):
+        keep_backup(path)
     assert path.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["take.csv"]
 
