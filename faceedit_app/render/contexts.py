@@ -80,6 +80,22 @@ def open_platform(backend: str, width: int, height: int) -> Any:
     return platform
 
 
+def drawn_by() -> str:
+    """What draws, as OpenGL calls it: a graphics card, or a program (llvmpipe).
+
+    Raises:
+        Unavailable: this computer offers no OpenGL.
+        Exception: any error of the driver or PyOpenGL.
+    """
+    platform = open_platform(choose_backend(), 8, 8)
+    from OpenGL import GL  # for the backend that has been chosen
+
+    try:
+        return str(GL.glGetString(GL.GL_RENDERER).decode(errors="replace"))
+    finally:
+        platform.delete_context()
+
+
 def may_change_threads(backend: str) -> bool:
     """Whether a context can be made in one thread and used in another; a window's cannot."""
     return backend == "egl"

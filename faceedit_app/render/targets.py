@@ -10,6 +10,8 @@ from OpenGL import GL
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.render.camera import Camera
 
+_BYTES = 8  # of a sample: its colour and its depth
+
 
 class View(NamedTuple):
     """The camera of a picture, and its width and height in pixels."""
@@ -39,6 +41,12 @@ class Target:
         status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
         if status != GL.GL_FRAMEBUFFER_COMPLETE:
             raise RuntimeError(f"the driver refuses a {width} x {height} image")
+
+    @property
+    def bytes(self) -> int:
+        """What its colours and depths take."""
+        width, height = self.size
+        return width * height * max(self.samples, 1) * _BYTES
 
     def bind(self) -> None:
         """Draw into this target from now on."""
@@ -71,6 +79,7 @@ class Target:
         """Free it."""
         GL.glDeleteFramebuffers(1, [self._name])
         GL.glDeleteRenderbuffers(2, self._buffers)
+        self.size = 0, 0
 
 
 class Targets:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from PySide6.QtCore import QCoreApplication
@@ -14,6 +16,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.lab.attacks import gestures, list_gestures
 from faceedit_app.lab.attacks.hands import Hands, dialogs_cancelled
 from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.actions import Command, Menu
 
 __all__ = ["bench"]
 
@@ -44,6 +47,45 @@ def steps(window: MainWindow) -> object:
 def sizes(window: MainWindow) -> object:
     assert window.editor is not None
     return window.width(), window.height(), window.editor.panes.sizes()
+
+
+class Entry:
+    """An entry of a menu."""
+
+    def __init__(self, is_enabled: bool) -> None:
+        self.is_enabled, self.uses = is_enabled, 0
+
+    def isEnabled(self) -> bool:
+        return self.is_enabled
+
+    def trigger(self) -> None:
+        self.uses += 1
+
+
+def test_every_enabled_command_is_used_once_before_others_are_again() -> None:
+    entries = {name: Entry(name != "redo") for name in ("undo", "redo", "smile", "blink")}
+    commands: tuple[Command[object], ...] = tuple(
+        Command(name, name, lambda _: None) for name in entries
+    )
+    menus = [(Menu("Edit", commands), None)]
+    window = SimpleNamespace(
+        editor=object(),
+        document=SimpleNamespace(character=None),
+        commands=SimpleNamespace(menus=lambda: menus),
+        actions_=entries,
+    )
+    hands = Hands(cast(MainWindow, window), random.Random(5))
+    for _ in range(3):
+        hands.run_unused_command()
+    assert {name: entry.uses for name, entry in entries.items()} == {
+        **dict.fromkeys(entries, 1),
+        "redo": 0,
+    }
+    assert hands.unused == {"redo"}
+    entries["redo"].is_enabled = True
+    hands.run_unused_command()
+    assert entries["redo"].uses == 1
+    assert not hands.unused
 
 
 @pytest.mark.parametrize(

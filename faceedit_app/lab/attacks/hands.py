@@ -38,6 +38,7 @@ class Hands:
         window, editor: what they are on; a take is open.
         chance: decides.
         character: the user's, if the window showed it at first.
+        unused: commands of the menus that have not been used yet.
     """
 
     def __init__(self, window: MainWindow, chance: random.Random) -> None:
@@ -50,11 +51,20 @@ class Hands:
             for command in menu.commands
             if command.id not in LEFT_OUT and command.fills is None
         ]
+        self.unused = set(self._commands)
 
     def run_command(self) -> str:
         """Choose a command from the menus, if it is enabled; returns its name."""
-        name = self.chance.choice(self._commands)
+        return self._run(self.chance.choice(self._commands))
+
+    def run_unused_command(self) -> str:
+        """Choose a command that has not been used yet, if one is enabled; returns its name."""
+        can = [name for name in sorted(self.unused) if self.window.actions_[name].isEnabled()]
+        return self._run(self.chance.choice(can)) if can else self.run_command()
+
+    def _run(self, name: str) -> str:
         if self.window.actions_[name].isEnabled():
+            self.unused.discard(name)
             self.window.actions_[name].trigger()
         return name
 

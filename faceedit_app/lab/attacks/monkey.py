@@ -13,6 +13,7 @@ from faceedit_app.ui.start.window import MainWindow
 
 _REMEMBERED = 10  # gestures, for messages
 _OFTEN = 3  # times as often as others
+_FIRST = 0.5  # of the gestures are commands that have not been used yet, while there are any
 # Each gesture, and how often it is made.
 _GESTURES: tuple[tuple[Callable[[Hands], object], int], ...] = (
     (Hands.run_command, 4 * _OFTEN),
@@ -60,10 +61,20 @@ class Monkey:
 
     def act(self) -> None:
         """Do one thing that a user can do."""
-        kinds, often = zip(*_GESTURES, strict=True)
-        (gesture,) = self._chance.choices(kinds, often)
+        gesture = self._chosen()
         self.done.append(gesture.__name__)
         name = gesture(self._hands)
         if isinstance(name, str):
             self.done[-1] = f"{gesture.__name__} {name}"
         lists.use_dialogs(self._hands)
+
+    def _chosen(self) -> Callable[[Hands], object]:
+        """A gesture; at first, every other one is a command that has not been used yet.
+
+        So all that is loaded when it is first used is there after some hundred gestures, and what
+        grows later is a leak.
+        """
+        if self._hands.unused and self._chance.random() < _FIRST:
+            return Hands.run_unused_command
+        kinds = [gesture for gesture, _ in _GESTURES]
+        return self._chance.choices(kinds, [often for _, often in _GESTURES])[0]

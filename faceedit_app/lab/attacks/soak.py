@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import os
 import random
-import resource
 import shutil
 import statistics
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -21,6 +18,7 @@ from PySide6.QtCore import QCoreApplication
 from faceedit_app.editing.files import journal
 from faceedit_app.lab.attacks.checks import wrong_after, wrong_when_undone
 from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted
+from faceedit_app.lab.attacks.memory import memory_of
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
 from faceedit_app.lab.attacks.watchdog import Watchdog
@@ -40,7 +38,7 @@ class Soaked:
 
     Attributes:
         gestures, checks, undone: how many there were; `undone` counts undoing everything.
-        memory: megabytes at each check.
+        memory: megabytes at each check, without pictures, see `memory_of`.
         problems: what went wrong, one line each.
     """
 
@@ -61,7 +59,8 @@ class Soaked:
 
     def lines(self) -> list[str]:
         """A summary, then the problems."""
-        memory = f", {self.memory[0]:.0f} to {self.memory[-1]:.0f} MB" if self.memory else ""
+        least, most = min(self.memory, default=0.0), max(self.memory, default=0.0)
+        memory = f", {least:.0f} to {most:.0f} MB" if self.memory else ""
         counts = f"{self.gestures} gestures, {self.checks} checks, everything undone"
         warm = f"after {_WARM_UP} checks of warm-up"
         return [f"{counts} {self.undone} times{memory} ({self.growth:+.1%} {warm})", *self.problems]
@@ -153,7 +152,7 @@ def _check(window: MainWindow, monkey: Monkey, folder: Path, soaked: Soaked, dog
     for wrong in wrong_after(window, folder):
         soaked.problems.append(f"{wrong}, after {monkey.said}")
     soaked.checks += 1
-    soaked.memory.append(_memory())
+    soaked.memory.append(memory_of(window))
     if len(session_of(window).edits) > MOST_EDITS:
         _undo_everything(window, folder, soaked, dog)
 
@@ -163,18 +162,3 @@ def _undo_everything(window: MainWindow, folder: Path, soaked: Soaked, dog: Watc
     window.workspace.end_gestures()
     soaked.problems += wrong_when_undone(window, folder, dog.step)
     soaked.undone += 1
-
-
-def _memory() -> float:
-    """The memory of this process now, in megabytes; on Linux without files that are mapped.
-
-    Freed memory that the allocator keeps for later is given back before: it is no growth.
-    """
-    with contextlib.suppress(AttributeError, OSError):  # another C library than glibc
-        ctypes.CDLL(None).malloc_trim(0)
-    try:
-        status = Path("/proc/self/status").read_text(encoding="ascii")
-        return int(status.split("RssAnon:")[1].split()[0]) / 2**10
-    except (OSError, IndexError):  # not Linux: the most so far
-        most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        return most / (2**20 if sys.platform == "darwin" else 2**10)

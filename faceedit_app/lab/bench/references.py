@@ -24,7 +24,6 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench.clocks import Timings, repeat
 from faceedit_app.lab.bench.desk import long_take
 from faceedit_app.networks.engine import ENDING, Engine
-from faceedit_app.render import contexts
 from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, default_camera
 
 FRAMES, SIZE = 202, 640
@@ -61,18 +60,6 @@ def naive(engine: Engine, rig: Rig, times: int) -> Timings:
         return repeat(once, times, 3)
     finally:
         renderer.delete()
-
-
-def drawn_by() -> str:
-    """What draws, as OpenGL calls it: a GPU, or a program (llvmpipe)."""
-    platform = contexts.open_platform(contexts.choose_backend(), 8, 8)
-    from OpenGL import GL  # for the backend that has been chosen
-
-    try:
-        platform.make_current()
-        return str(GL.glGetString(GL.GL_RENDERER).decode(errors="replace"))
-    finally:
-        platform.delete_context()
 
 
 def _can_train() -> bool:

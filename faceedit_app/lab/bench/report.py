@@ -25,6 +25,7 @@ from faceedit_app.lab.bench import busy, kernels, references, starting, window
 from faceedit_app.lab.bench.clocks import Timings
 from faceedit_app.lab.bench.desk import Desk
 from faceedit_app.networks.engine import Engine
+from faceedit_app.render import contexts
 from faceedit_app.ui.start.application import application, collecting
 
 PACKAGES = (
@@ -98,7 +99,7 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
     local = [found["lengths"][str(n)]["local"]["median"] for n in plan.lengths]
     found["local_edit_ratio_200k"] = local[-1] / local[0]
     say("comparing")
-    found["machine"]["drawn_by"] = references.drawn_by()
+    found["machine"]["drawn_by"] = contexts.drawn_by()
     found["references"], found["ratio"] = _compared(plan, rig, engine, found, answered, say)
     found["in_limits"] = {name: in_limit(found, name) for name in LIMITS}
     found["avx2"] = _with_narrower_kernels(plan, say)
