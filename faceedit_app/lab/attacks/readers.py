@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 from faceedit_app.characters.registry import read_character
@@ -38,7 +39,7 @@ def all_readers(folder: Path) -> list[Reader]:
     Args:
         folder: where the valid files are made.
     """
-    return [
+    readers = [
         *take_readers(),
         *document_readers(folder),
         *word_readers(folder),
@@ -47,6 +48,11 @@ def all_readers(folder: Path) -> list[Reader]:
         *model_readers(),
         *packet_readers(),
     ]
+    if find_spec("PySide6") is not None:  # a server has no Qt, and reads everything else
+        from faceedit_app.lab.attacks.valid_settings import setting_readers
+
+        readers += setting_readers()
+    return readers
 
 
 def readers_of(sample: Path) -> list[Reader]:

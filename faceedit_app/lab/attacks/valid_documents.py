@@ -1,4 +1,4 @@
-"""Valid files of FaceEdit itself: edits, projects, journals, presets, logs, settings, landmarks."""
+"""Valid files of FaceEdit itself: edits, projects, journals, presets, logs, landmarks."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtCore import QSettings
 
 from faceedit_app.batch.log import Log, to_do
 from faceedit_app.batch.recipe import Recipe, parse_recipe
 from faceedit_app.batch.report import write_reports
 from faceedit_app.batch.tasks import LOG, Outcome, Task
 from faceedit_app.core.controls import CONTROL_IDS, LIP_OPENING, MOUTH_CORNERS
-from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.editing.files.edits_file import write_edits
@@ -42,7 +40,6 @@ from faceedit_app.lab.attacks.valid_takes import small_take
 from faceedit_app.lab.attacks.valid_words import SAID
 from faceedit_app.tracking.drawing import DRAWN
 from faceedit_app.tracking.landmark_file import read_landmarks
-from faceedit_app.ui.state.preferences import Preferences
 
 _EDITS = (
     Edit((LIP_OPENING,), Op.OFFSET, 0.1, 0.3, 0.1, 4.0, name="wider"),
@@ -99,7 +96,6 @@ def document_readers(folder: Path) -> Iterator[Reader]:
     yield reader_of("recipes", preset.path, _read_recipe)
     yield Reader("batch logs", ".jsonl", _log(), partial(_read_log, take))
     yield Reader("landmarks", ".npz", _landmarks(), read_landmarks)
-    yield Reader("settings", ".ini", _SETTINGS, _read_settings)
 
 
 def _projects(take: Path, folder: Path) -> Iterator[Project]:
@@ -184,35 +180,3 @@ def _landmarks() -> bytes:
         confidence=np.full(2, 250, np.uint8),
     )
     return content.getvalue()
-
-
-_SETTINGS = b"""[General]
-recent=/tmp/take.csv, /tmp/other.csv
-recent_characters=@Invalid()
-volume=0.5
-muted=false
-difference=true
-film_place=below
-window=@ByteArray(\\x1\\xd9\\xd0\\xcb\\0\\x3\\0\\0)
-
-[folder]
-take=/tmp
-"""
-
-
-def _read_settings(path: Path) -> None:
-    """Read what the window remembers; it must start with anything."""
-    preferences = Preferences(QSettings(str(path), QSettings.Format.IniFormat))
-    preferences.recent()
-    preferences.recent_characters()
-    preferences.folder("take")
-    loud, _ = preferences.volume()
-    if not 0.0 <= loud <= 1.0:
-        raise Wrong(f"the volume is {loud}")
-    for read in (preferences.difference, preferences.follows_head, preferences.unfolds_curves):
-        read()
-    preferences.film_place()
-    preferences.hints_wanted()
-    preferences.add_recent(path)
-    if preferences.recent()[:1] != [path.resolve()]:
-        raise FaceEditError(preferences.problem())
