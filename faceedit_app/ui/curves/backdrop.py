@@ -6,6 +6,8 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene, QGraphicsView, QStyleOptionGraphicsItem
 
+from faceedit_app.ui.look.guard import guarded, saved
+
 _EDGE = 2.0  # greatest pixels by which an item is larger than its box
 _BACKGROUND = QGraphicsScene.SceneLayer.BackgroundLayer
 
@@ -38,14 +40,15 @@ class Backdrop:
         box = box.adjusted(-_EDGE, -_EDGE, _EDGE, _EDGE)
         self._plot.invalidateScene(box, _BACKGROUND)
 
+    @guarded
     def paint(self, painter: QPainter) -> None:
         """Draw the items that are shown, from back to front."""
-        painter.save()
-        painter.setClipRect(self._view.sceneBoundingRect(), Qt.ClipOperation.IntersectClip)
-        place = painter.transform()
-        for item in self._items:
-            if item.isVisible():
-                item.boundingRect()  # as Qt does before it paints an item, which is then measured
-                painter.setTransform(item.sceneTransform() * place)
-                item.paint(painter, self._option, None)
-        painter.restore()
+        with saved(painter):
+            box = self._view.sceneBoundingRect()
+            painter.setClipRect(box, Qt.ClipOperation.IntersectClip)
+            place = painter.transform()
+            for item in self._items:
+                if item.isVisible():
+                    item.boundingRect()  # Qt, too, asks before it paints: it is measured then
+                    painter.setTransform(item.sceneTransform() * place)
+                    item.paint(painter, self._option, None)

@@ -28,7 +28,6 @@ from faceedit_app.ui.curves.marks import (
 from faceedit_app.ui.curves.scale import Interval, Scale
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
 from faceedit_app.ui.curves.visible_curves import Lines
-from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 _GAP_ALPHA = 90
@@ -129,6 +128,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     def _lay_out(self) -> None:
         self.ci.setContentsMargins(0, 0, 0, 0)
         self.ci.setSpacing(0)
+        self.ci.setFlag(self.ci.GraphicsItemFlag.ItemHasNoContents)
         self.ci.addItem(self.axis, 0, 0)
         self.ci.addItem(self.view, 0, 1)
         self.axis.linkToView(self.view)
@@ -242,7 +242,6 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self.values_chosen = True
         self._show_dot()  # closer up, a place that could not be told from its own perhaps can be
 
-    @guarded
     def drawBackground(self, painter: QPainter, rect: QRectF) -> None:
         """Draw what lies behind the curves; Qt keeps it as a picture."""
         super().drawBackground(painter, rect)

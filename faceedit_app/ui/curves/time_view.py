@@ -7,19 +7,16 @@ from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
-from PySide6.QtGui import QMouseEvent, QPainter
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import (
     QGraphicsSceneHoverEvent,
     QGraphicsSceneMouseEvent,
     QGraphicsSceneWheelEvent,
-    QStyleOptionGraphicsItem,
-    QWidget,
 )
 
 from faceedit_app.ui.curves.gestures import PAN_STEP, ZOOM_STEP, Pointer, WheelAction, wheel_action
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.curves.value_range import LARGEST, SMALLEST
-from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.timeline import Timeline
 
 LEFT, MIDDLE, RIGHT = (
@@ -92,6 +89,7 @@ class TimeView(pg.ViewBox):
         self.setMouseEnabled(x=True, y=has_values)
         self.setLimits(minYRange=SMALLEST, maxYRange=LARGEST)
         self.state["wheelScaleFactor"] = math.log(ZOOM_STEP, 1.02) / _NOTCH
+        self.setFlag(self.GraphicsItemFlag.ItemHasNoContents)  # the border is an item of its own
         self.setAcceptHoverEvents(True)
         timeline.view_changed.connect(self._follow)
         self.sigRangeChangedManually.connect(self._lead)
@@ -112,12 +110,6 @@ class TimeView(pg.ViewBox):
         first, last = self.viewRange()[0]
         seconds: float = (last - first) / max(self.width(), 1.0)
         return seconds
-
-    @guarded
-    def paint(
-        self, _painter: QPainter, _option: QStyleOptionGraphicsItem, widget: QWidget | None = None
-    ) -> None:
-        """Paint nothing: the border is a separate item."""
 
     def setRange(self, *args: Any, **named: Any) -> None:
         """Show another range; pyqtgraph would move the items only while it paints."""
