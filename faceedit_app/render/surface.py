@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.core.rig import Material, Rig
-from faceedit_app.render.sparse import csr_matrix
+from faceedit_app.render.sums import GroupSums
 
 
 class Shading(Enum):
@@ -146,7 +146,7 @@ def _in_a_row(faces: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 class NormalSolver:
-    """Exact area-weighted vertex normals, by one sparse product per frame and coordinate.
+    """Exact area-weighted vertex normals, by one sum over faces per frame and coordinate.
 
     Coordinates are kept in separate rows, on which numpy is several times as fast as on triples.
 
@@ -180,19 +180,17 @@ class NormalSolver:
             faces, owned = faces[used], owned[used]
         corners = owned.ravel()
         owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
-        ones = np.ones(len(corners), np.float32)
-        gather = csr_matrix((ones, (corners, owners)), (owners_count, len(faces)))
-        self._gather = gather if rows is None else gather[rows]
+        self._sums = GroupSums(corners, owners, owners_count, rows)
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
         """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero without faces."""
         corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        normals = np.empty((3, self._gather.shape[0]), np.float32)
+        normals = np.zeros((3, len(self._sums)), np.float32)
         for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             # The cross product; its length is twice the area.
-            normals[x] = self._gather @ (u[y] * v[z] - u[z] * v[y])
+            self._sums.add_to(normals[x], u[y] * v[z] - u[z] * v[y])
         lengths = np.sqrt((normals * normals).sum(axis=0))
         normals /= np.maximum(lengths, np.float32(1e-20))
         return np.ascontiguousarray(normals.T)

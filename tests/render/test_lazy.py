@@ -128,7 +128,7 @@ from faceedit_app.ui.state.loading import prepare_renderer
 prepare_renderer()
 assert "faceedit_app.render.studio" in sys.modules, "not prepared"
 heavy = {"pyglet", "imageio", "tkinter", "trimesh.base", "networkx", "torch"}
-heavy |= {"scipy.spatial", "scipy.optimize", "scipy.ndimage", "unittest", "numpy.f2py.f2py2e"}
+heavy |= {"scipy._lib", "scipy.sparse._base", "unittest", "numpy.f2py.f2py2e"}
 print(sorted(heavy & set(sys.modules)))
 import numpy, pyrender, trimesh
 assert numpy.testing.assert_allclose
