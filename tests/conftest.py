@@ -20,11 +20,11 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from support.chance import TIMES
 from support.media import devices
-from support.windows import bench
+from support.windows import bench, shelf
 
 from faceedit_app.ui.start.application import Garbage
 
-__all__ = ["bench", "devices"]
+__all__ = ["bench", "devices", "shelf"]
 
 # Garbage is collected between tests, in the main thread, as the application's `Collector` does: a
 # thread of a window's that happens to collect would delete the plots of earlier windows, and crash.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -26,7 +28,7 @@ from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.preferences import Preferences
-from support import curves
+from support import curves, renewal
 from support.curves import place
 from support.faces import shipped_rig
 from support.takes import make_livelink_csv
@@ -75,6 +77,12 @@ class FakeRenderer:
         self.open = False
 
 
+@lru_cache
+def _usual_take() -> bytes:
+    with TemporaryDirectory() as folder:
+        return make_livelink_csv(Path(folder, "take.csv"), seconds=3.0).read_bytes()
+
+
 class Bench:
     """Opens windows, and knows how the user answers and what is shown to the user.
 
@@ -84,13 +92,19 @@ class Bench:
         answers: what the user answers to each `dialogs.ask_…`; none is asked unexpectedly.
     """
 
-    def __init__(self, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    def __init__(
+        self, qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, folder: Path, shelf: renewal.Shelf
+    ) -> None:
         self.qtbot, self.folder = qtbot, folder
+        self._monkeypatch, self._shelf = monkeypatch, shelf
+        self._was_plain = not self._patches()  # nothing was replaced before
+        self._windows: list[MainWindow] = []
         self.errors: list[str] = []
         self.exported: list[Any] = []
         self.answers: dict[str, Any] = {}
         self.renderers: list[FakeRenderer] = []
-        self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
+        self.take = folder / "take.csv"
+        self.take.write_bytes(_usual_take())
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
         monkeypatch.setattr(dialogs, "show_exported", lambda _w, *said: self.exported.append(said))
         self.preferences().set_hints_seen()
@@ -103,6 +117,8 @@ class Bench:
         monkeypatch.setattr(loading, "prepare_renderer", lambda: None)
         monkeypatch.setattr(loading, "load_engine", self._no_engine)
         monkeypatch.setattr(render, "open_renderer", self._renderer)
+        monkeypatch.setattr(presets, "own_folder", lambda: folder / "presets")
+        self._own_patches = self._patches()
 
     def _answer(self, name: str) -> Callable[[QWidget, object], Any]:
         def answer(_parent: QWidget, *_: object) -> Any:
@@ -128,36 +144,96 @@ class Bench:
         """Settings that no other test and no user sees."""
         return Preferences(QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat))
 
+    def _patches(self) -> int:
+        """How much is replaced."""
+        return len(self._monkeypatch._setattr) + len(self._monkeypatch._setitem)
+
+    @property
+    def _is_plain(self) -> bool:
+        """Whether the next window is the first, and nothing can make it differ from others."""
+        settings = self.preferences()._settings.allKeys()
+        replaced = self._patches() > self._own_patches or not self._was_plain
+        return not (self._windows or replaced) and settings == ["hints_seen"]
+
     def window(self, take: Path | None = None, start: bool = True) -> MainWindow:
-        """A window on the screen; with a take, one in which it is open and all is settled."""
+        """A new window on the screen; with a take, one in which it is open and all is settled."""
         window = MainWindow(self.preferences())
-        self.qtbot.addWidget(window, before_close_func=_forget)
+        self._windows.append(window)
+        self._show(window)
+        if start:
+            self._start(window, take)
+        return window
+
+    def _show(self, window: MainWindow) -> None:
         window.resize(1280, 720)
         with self.qtbot.waitExposed(window):
             window.show()
-        if start:
-            with self.qtbot.waitSignal(window.settled, timeout=15_000):
-                window.start(take)
-            if take is not None:
-                self.qtbot.waitUntil(lambda: window.document.session is not None)
+
+    def _start(self, window: MainWindow, take: Path | None) -> None:
+        with self.qtbot.waitSignal(window.settled, timeout=15_000):
+            window.start(take)
+        if take is not None:
+            self.qtbot.waitUntil(lambda: window.document.session is not None)
+
+    def editing(self, take: Path | None = None) -> MainWindow:
+        """A window with a take open, the usual one if none is given.
+
+        It may be one that an earlier test has left, if nothing tells it from a new one. A test that
+        replaces something before gets a new one: the constructors may use what it replaces.
+        """
+        take, known = take or self.take, self._shelf.known
+        if not self._is_plain:
+            return self.window(take)
+        content = take.read_bytes()
+        if content in known and (window := self._renewed(take, known[content])) is not None:
+            return window
+        window = self.window(take)
+        known[content] = renewal.facts_of(window)
         return window
 
-    def editing(self) -> MainWindow:
-        """A window with the usual take open."""
-        return self.window(self.take)
+    def _renewed(self, take: Path, wanted: renewal.Facts) -> MainWindow | None:
+        """The window that an earlier test has left, with a take; None if it is not as new."""
+        window = self._shelf.take()
+        if window is None:
+            return None
+        self.renew(window, take)
+        if renewal.facts_of(window) == wanted:
+            self._windows.append(window)
+            return window
+        renewal.close([window])
+        self.renderers.clear()
+        return None
+
+    def renew(self, window: MainWindow, take: Path) -> None:
+        """Open a take in a window that was emptied, as if it were a new one."""
+        renewal.prepare(window, self.preferences())
+        self._show(window)
+        QApplication.setActiveWindow(window)
+        self._start(window, take)
+
+    def leave(self) -> None:
+        """Close the windows; the next test may get one of them."""
+        renewal.close(window for window in self._windows if not self._shelf.put(window))
 
 
-def _forget(window: MainWindow) -> None:
-    """Close without being asked about edits, or the map of a character."""
-    window.document.session = window.document.character = None
+@pytest.fixture(scope="session")
+def shelf(qapp: QApplication) -> Iterator[renewal.Shelf]:
+    """The window of the last test."""
+    shelf = renewal.Shelf()
+    yield shelf
+    if (window := shelf.take()) is not None:
+        renewal.close([window])
 
 
 @pytest.fixture
 def bench(
-    qtbot: QtBot, qapp: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> Bench:  # the fixture that test modules import
+    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, shelf: renewal.Shelf
+) -> Iterator[Bench]:
+    """What opens windows."""
     themed()
-    return Bench(qtbot, monkeypatch, tmp_path)
+    bench = Bench(qtbot, monkeypatch, tmp_path, shelf)
+    yield bench
+    bench.leave()
 
 
 def drag_curve(window: MainWindow, row: int, seconds: float, pixels: int) -> None:
@@ -222,8 +298,7 @@ def with_problems(bench: Bench, monkeypatch: pytest.MonkeyPatch, folder: Path) -
 
     Presets of the user's are kept in a folder of the test's.
     """
-    monkeypatch.setattr(presets, "own_folder", lambda: folder / "presets")
-    window = bench.window(shipped("assets/demo_take.csv"))
+    window = bench.editing(shipped("assets/demo_take.csv"))
     editor_of(window).problems.search()
     return window
 

@@ -19,7 +19,7 @@ from faceedit_app.ui.start.window import MainWindow
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
-    return bench.window(shipped("assets/demo_take.csv"))
+    return bench.editing(shipped("assets/demo_take.csv"))
 
 
 def test_fill_proposes_a_variation_and_accept_keeps_the_one_on_screen(window: MainWindow) -> None:

@@ -28,7 +28,7 @@ from faceedit_app.words.files import write_words
 
 @pytest.fixture
 def window(bench: Bench) -> MainWindow:
-    return bench.window(shipped("assets/demo_take.csv"))
+    return bench.editing(shipped("assets/demo_take.csv"))
 
 
 def editor_of(window: MainWindow) -> Editor:

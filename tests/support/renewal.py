@@ -1,0 +1,309 @@
+"""A window that an earlier test has left, made as new: opening one takes three times as long.
+
+It is used again only if nothing that `facts_of` sees tells it from a new one; else it is closed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Hashable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, QPoint, QPointF, QRect, QRectF, QSize, QTimer, SignalInstance
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractSlider,
+    QComboBox,
+    QDialog,
+    QDockWidget,
+    QDoubleSpinBox,
+    QGraphicsScene,
+    QLabel,
+    QLineEdit,
+    QStackedWidget,
+    QStatusBar,
+    QTabBar,
+    QWidget,
+)
+from shiboken6 import isValid
+
+from faceedit_app.ui.curves.time_view import TimeView
+from faceedit_app.ui.face.resolution import Quality
+from faceedit_app.ui.page.editor import Editor
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.clock import Unit
+from faceedit_app.ui.state.preferences import Preferences
+from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, Tool
+
+Facts = dict[str, Hashable]
+
+_PLAIN = (bool, int, float, str, bytes, type(None), Enum)
+_BOXES = (QPoint, QPointF, QRect, QRectF, QSize)
+_DEEPEST = 4  # levels of lists in lists
+_OURS = "faceedit_app.ui."
+# Attributes of caches, of what is made when it is first needed, of what counts how often something
+# happened, and of what the next press or picture sets before it is read.
+_PASSING = {
+    "__METAOBJECT__", "_job", "draws", "_newest", "_anchor", "_last_preview", "_spans",
+    "_extremes", "_numbers", "_painted", "lastMousePos", "_stale", "_smooth", "_picture", "_began",
+    "_shown_at", "_measured", "range", "_box",
+}  # fmt: skip
+
+
+# --- what can be told of a window ----------------------------------------------------------------
+
+
+def facts_of(window: MainWindow) -> Facts:
+    """All that its widgets show, and all that its objects hold: the same for the same state."""
+    if window.editor is not None and window.editor.problems.is_searched:
+        window.editor.problems.restart()  # a slow computer has searched the take by now
+    facts: Facts = {"title": window.windowTitle(), "state": window.windowState().value}
+    for name, thing in _parts("", window):
+        is_ours = type(thing).__module__.startswith(_OURS)
+        if not is_ours and not isinstance(thing, QWidget | QAction | QTimer | QGraphicsScene):
+            continue  # what Qt keeps for itself
+        if isinstance(thing, QGraphicsScene):
+            facts[name] = _seen_in(thing)
+        else:
+            facts[name] = _shown(thing)
+            if is_ours:
+                _add_held(facts, name, thing)
+    return facts
+
+
+def _parts(above: str, thing: QObject) -> Iterator[tuple[str, QObject]]:
+    """It and all below it, by names that do not depend on what lies upon what."""
+    yield above, thing
+    counts: Counter[str] = Counter()
+    if isinstance(thing, QWidget) and thing.isHidden() and not _is_page(thing):
+        return  # what is in it gets its state when it is shown
+    for child in thing.children():
+        kind = f"{type(child).__name__} {child.objectName()}"
+        counts[kind] += 1
+        yield from _parts(f"{above}/{kind} {counts[kind]}", child)
+
+
+def _is_page(widget: QWidget) -> bool:
+    """Whether it is hidden by another page, rather than by itself."""
+    return isinstance(widget.parentWidget(), QStackedWidget)
+
+
+def _shown(thing: QObject) -> Hashable:
+    """What the user sees of it."""
+    if isinstance(thing, QAction):
+        return thing.text(), thing.isEnabled(), thing.isChecked(), thing.isVisible()
+    if isinstance(thing, QTimer):
+        return thing.interval()
+    if not isinstance(thing, QWidget):
+        return None
+    is_hidden = not thing.isVisible()
+    place: Hashable = None  # what is hidden gets its own when it is shown
+    if not is_hidden:
+        place = repr(thing.size()) if thing.isWindow() else repr(thing.geometry())
+    common = is_hidden, place, thing.isEnabled(), thing.hasFocus(), _anywhere(thing.toolTip())
+    return common, thing.accessibleDescription(), _content(thing)
+
+
+def _seen_in(scene: QGraphicsScene) -> Hashable:
+    """What is seen in a plot or on a strip, from front to back, and at which scale."""
+    views = [item.viewRange() for item in scene.items() if isinstance(item, TimeView)]
+    return repr(views), tuple(type(item).__name__ for item in scene.items() if item.isVisible())
+
+
+def _anywhere(text: str) -> str:
+    """A text without the folders in it: each test has one of its own."""
+    return re.sub(r"\S*/", "", text)
+
+
+def _content(widget: QWidget) -> Hashable:
+    match widget:
+        case QAbstractButton():
+            return widget.text(), widget.isChecked()
+        case QLabel() | QLineEdit():
+            return widget.text()
+        case QAbstractSlider():
+            return widget.value(), widget.minimum(), widget.maximum(), widget.isSliderDown()
+        case QDoubleSpinBox():
+            return widget.value(), widget.minimum(), widget.maximum(), widget.text()
+        case QComboBox():
+            return widget.currentIndex(), widget.count()
+        case QTabBar():
+            return widget.currentIndex()
+        case QStatusBar():
+            return widget.currentMessage()
+    return None
+
+
+def _add_held(facts: Facts, name: str, thing: object, depth: int = 0) -> None:
+    """Add what the attributes of an object hold, and those of ours that are in them."""
+    for attribute, value in getattr(thing, "__dict__", {}).items():
+        if attribute in _PASSING or isinstance(value, SignalInstance):
+            continue
+        facts[f"{name}.{attribute}"] = _plain(value)
+        if depth < _DEEPEST and _is_ours(value):
+            _add_held(facts, f"{name}.{attribute}", value, depth + 1)
+
+
+def _is_ours(value: object) -> bool:
+    """Whether it is a part of the window that is not among its children."""
+    return type(value).__module__.startswith(_OURS) and not isinstance(value, QObject | Enum)
+
+
+def _plain(value: Any, depth: int = 0) -> Hashable:
+    """What can be compared of a value: itself, its parts, or else its type."""
+    if isinstance(value, _PLAIN):
+        return value
+    if isinstance(value, Path):
+        return value.name  # each test has a folder of its own
+    if isinstance(value, _BOXES):
+        return repr(value)
+    if isinstance(value, np.ndarray):
+        return value.shape, hash(value.tobytes())
+    if depth < _DEEPEST:
+        if isinstance(value, tuple | list):
+            return tuple(_plain(part, depth + 1) for part in value)
+        if isinstance(value, set | frozenset):
+            return frozenset(_plain(part, depth + 1) for part in value)
+        if isinstance(value, dict):
+            pairs = [
+                (_plain(key, depth + 1), _plain(part, depth + 1)) for key, part in value.items()
+            ]
+            return tuple(pairs)
+    return type(value).__qualname__
+
+
+def differences(one: Facts, other: Facts) -> list[str]:
+    """What tells two windows apart, a line each."""
+    return [
+        f"{name}: {one.get(name, 'absent')} / {other.get(name, 'absent')}"
+        for name in sorted({*one, *other})
+        if one.get(name, "absent") != other.get(name, "absent")
+    ]
+
+
+# --- leaving it, and beginning again -------------------------------------------------------------
+
+
+class Shelf:
+    """Keeps a window from one test to the next of this process.
+
+    Attributes:
+        known: what can be told of a new window, by the content of its take.
+    """
+
+    def __init__(self) -> None:
+        self._window: MainWindow | None = None
+        self.known: dict[bytes, Facts] = {}
+
+    def put(self, window: MainWindow) -> bool:
+        """Empty a window and keep it; False if there is one, or it is of no further use."""
+        if self._window is not None or not _is_of_use(window):
+            return False
+        _empty(window)
+        self._window = window
+        return True
+
+    def take(self) -> MainWindow | None:
+        """The window, which is then no longer here."""
+        window, self._window = self._window, None
+        return window
+
+
+def _is_of_use(window: MainWindow) -> bool:
+    """Whether it still works, nothing works for it, and it has no windows of its own."""
+    return (
+        isValid(window)
+        and window.isVisible()
+        and window.editor is not None
+        and window.document.session is not None
+        and not window.findChildren(QDialog)
+        and not window.findChildren(QDockWidget)
+        and all(map(_is_idle, window.findChildren(Background)))
+    )
+
+
+def _is_idle(background: Background) -> bool:
+    pool: ThreadPoolExecutor = background._pool
+    return (
+        not background._closed
+        and pool._work_queue.empty()
+        and pool._idle_semaphore._value == len(pool._threads)
+    )
+
+
+def _empty(window: MainWindow) -> None:
+    """Close the take as closing the window would, and take the window from the screen."""
+    workspace, document, page = window.workspace, window.document, window.editor
+    assert page is not None
+    assert document.session is not None
+    workspace.end_gestures()
+    window.commands.file.stop()
+    workspace.unfinished.stop()
+    workspace.playback.pause()
+    workspace.media.clear()
+    document.close_journal()
+    document.session.previewed.disconnect(document._pass_on_preview)
+    document.session.changed.disconnect(document._pass_on_change)
+    document.session = document.engine = document.character = None
+    document.path = document.project_file = document.exported = document._exported_state = None
+    page.curves.set_session(None)
+    page.face.viewport.close_renderer()
+    window.hide()
+
+
+def prepare(window: MainWindow, preferences: Preferences) -> None:
+    """Make a window that was emptied ready for `start`, with the preferences of another test."""
+    page, workspace = window.editor, window.workspace
+    assert page is not None
+    window._preferences._settings = preferences._settings
+    window._can_draw = window._draws = False
+    window._ready, window._awaited = None, 2
+    window._warned.clear()
+    window.banner.dismiss()
+    window.start_page.show_recent(preferences.recent())
+    window._pages.setCurrentWidget(window.start_page)
+    workspace.opener.rig = None
+    workspace.tools.choose(Tool.MOVE)
+    workspace.tools.set_smooth(DEFAULT_SMOOTH)
+    workspace.timeline.clock.choose(Unit.SECONDS)
+    _forget_gestures(window, page)
+    page._take = None
+    page.curves.shown.show_all()
+    if page.curves.shown.is_unfolded:
+        page.curves.shown.unfold(False)
+    page.lists.setCurrentIndex(0)
+    page.face.viewport.draws = 0
+    page.face.viewport.quality = Quality()
+    page.face._tracked = page.face._both = page.face._difference = page.face._follows = False
+
+
+def _forget_gestures(window: MainWindow, page: Editor) -> None:
+    """Forget what the last gestures were."""
+    line, mouse, fields = window.timeline, page.curves._mouse, page.curves.fields
+    line._edits_falloffs, line._before = (0.0, 0.0), None
+    mouse.focused, mouse.plot, mouse.chosen = None, None, frozenset()
+    mouse._x = mouse._shown = 0.0
+    mouse._came_from = 0
+    fields._setting, fields._made = None, None
+    fields._typed.clear()
+    page.curves.range_bar._before = None
+    page.edits._is_new = False
+    proposal = page.proposal
+    proposal._name, proposal.problem, proposal.is_for_all = "", None, False
+    proposal.variation, proposal._variations = 0, ()
+
+
+def close(windows: Iterable[MainWindow]) -> None:
+    """Close them without being asked about edits, or the map of a character."""
+    for window in windows:
+        if isValid(window):
+            window.document.session = window.document.character = None
+            window.close()
+            window.deleteLater()
