@@ -223,7 +223,7 @@ def track(window: MainWindow, folder: Path) -> None:
     assert stored is not None
     assert pictures is not None
     shown = SideBySide.of_take(
-        OpenFilm(film), stored, session.take.clip, pictures.offset, session.weights
+        OpenFilm(film), stored, session.take.clip, session.edited_clip(), pictures.offset
     )
     write_side_by_side(folder / "both.mp4", shown, rig)
     both = Image.open(folder / "both.png")

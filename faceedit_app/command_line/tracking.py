@@ -165,10 +165,10 @@ def _check_report(report: Path | None, edits: Path | None, fps: float | None) ->
 
 def _written(take: Path, report: Path | None) -> list[Path]:
     """The files of a take that is tracked, and of its report."""
-    from faceedit_app.tracking.landmark_file import beside
+    from faceedit_app.tracking.landmark_file import files_of
 
     pages = [] if report is None else [report / f"{_REPORT}{end}" for end in (".mp4", ".png")]
-    return [take, beside(take), *pages]
+    return [*files_of(take), *pages]
 
 
 def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
@@ -227,6 +227,7 @@ def _track_one(
 def _report(
     folder: Path, tracked: Tracked, take: Path, rig: Rig, edits: Path | None
 ) -> tuple[Path, Path]:
+    from faceedit_app.editing.filming import with_fills
     from faceedit_app.editing.opening import load_engine, open_session
     from faceedit_app.tracking.side_by_side import SideBySide, write_side_by_side
 
@@ -234,7 +235,7 @@ def _report(
     if edits is not None:
         session = open_session(take, rig, load_engine(rig))
         session.load_edits(edits)
-        edited = session.weights
+        edited = with_fills(session)
     folder.mkdir(parents=True, exist_ok=True)
     shown = SideBySide.of_tracked(tracked, edited)
     return write_side_by_side(folder / f"{_REPORT}.mp4", shown, rig)

@@ -217,6 +217,12 @@ def shown_by(session: EditSession) -> tuple[Take, Floats, Floats | None]:
     return replace(take, clip=tracked), edited.arkit_weights(), edited.rotations
 
 
+def with_fills(session: EditSession) -> Clip:
+    """The edited clip, with frames where fills fill the take's gaps."""
+    session.live.work()
+    return with_filled(session.edited_clip(), session.take.lost_rows, session.filled_rows())
+
+
 _Pose = tuple[Floats, Floats | None]  # weights (52,), and rotations (9,) if the head turns
 
 

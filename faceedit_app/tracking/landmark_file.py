@@ -57,6 +57,11 @@ def beside(take: Path) -> Path:
     return take.with_name(take.stem + ENDING)
 
 
+def files_of(take: Path) -> list[Path]:
+    """The files that tracking writes for a take."""
+    return [take, beside(take)]
+
+
 def write_landmarks(tracked: Tracked, take: Path) -> None:
     """Write the landmarks beside a take.
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Pixels, Times
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Rig
 from faceedit_app.media.container import check, has_sound
 from faceedit_app.media.film import Film
@@ -31,6 +34,28 @@ _SHARP = 2  # lines are drawn so many times as large and scaled down
 
 
 @dataclass(frozen=True)
+class Column:
+    """A face for each of the F pictures of a film.
+
+    Attributes:
+        weights: (T, 52) in ARKit's order, of a take's frames.
+        rows: (F,) the frame that is nearest to each picture.
+        is_there: (F,) whether it belongs to the picture; else the take has a gap there.
+    """
+
+    weights: Floats
+    rows: Indices
+    is_there: Bools
+
+    @classmethod
+    def of(cls, clip: Clip, times: Times) -> Column:
+        """The frames of a clip at times (F,) of its clock."""
+        rows = np.array([clip.frame_at(seconds) for seconds in times.tolist()], np.intp)
+        is_there = np.abs(clip.times[rows] - times) < 0.75 / clip.rate
+        return cls(clip.arkit_weights(), rows, is_there)
+
+
+@dataclass(frozen=True)
 class SideBySide:
     """What is shown side by side, for each of the F pictures of a film.
 
@@ -38,59 +63,66 @@ class SideBySide:
         film: the film.
         places: the landmarks (478, 2) in a picture by its number, shares of its width and height;
             None if it shows no face.
-        rows: (F,) the frame of the take.
-        sure: (F,) whether the take has that frame; else it is the nearest one.
-        faces: weights (T, 52) in ARKit's order: tracked and, if there are edits, edited.
+        faces: as tracked and, if there are edits, as edited.
     """
 
     film: Path
     places: Callable[[int], Doubles | None]
-    rows: Indices
-    sure: Bools
-    faces: tuple[Floats, ...]
+    faces: tuple[Column, ...]
 
     @classmethod
-    def of_tracked(cls, tracked: Tracked, edited: Floats | None = None) -> SideBySide:
-        """What was tracked, and the weights of `tracked.clip` after edits."""
-        film = tracked.landmarks
+    def of_tracked(cls, tracked: Tracked, edited: Clip | None = None) -> SideBySide:
+        """What was tracked, and the take after edits, whose times begin with its first frame."""
+        film, clip = tracked.landmarks, tracked.clip
 
         def places(index: int) -> Doubles | None:
             points = film.points[index, :, :2] / film.size
             return points if np.isfinite(points[0, 0]) else None
 
-        clip, times = tracked.clip, film.times
-        return cls._of(film.path, places, clip, times, edited)
+        faces = [Column.of(clip, film.times)]
+        if edited is not None:
+            faces.append(Column.of(edited, film.times - clip.times[0]))
+        return cls(film.path, places, tuple(faces))
 
     @classmethod
     def of_take(
-        cls, film: Film, stored: StoredLandmarks, clip: Clip, offset: float, edited: Floats
+        cls, film: Film, stored: StoredLandmarks, tracked: Clip, edited: Clip, offset: float
     ) -> SideBySide:
         """An open take.
 
         Args:
-            film, offset: its film, which begins at `offset` seconds of the take.
+            film: its film, which begins at `offset` seconds of the take.
             stored: the landmarks beside it.
-            clip: as tracked, whose times begin with its first frame.
-            edited: (T, 52) as edited.
-        """
-        return cls._of(film.path, stored.at, clip, film.times + offset, edited)
+            tracked: whose times begin with its first frame.
+            edited: the same after edits, with the frames that fill its gaps.
+            offset: as above.
 
-    @classmethod
-    def _of(
-        cls,
-        film: Path,
-        places: Callable[[int], Doubles | None],
-        clip: Clip,
-        times: Times,
-        edited: Floats | None,
-    ) -> SideBySide:
-        """`times` (F,) of the pictures on the clip's clock."""
-        rows = np.array([clip.frame_at(seconds) for seconds in times.tolist()], np.intp)
-        sure = np.abs(clip.times[rows] - times) < 0.75 / clip.rate
-        tracked = clip.arkit_weights()
-        changed = edited is not None and not np.array_equal(edited, tracked)
-        faces = (tracked, edited) if edited is not None and changed else (tracked,)
-        return cls(film, places, rows, sure, faces)
+        Raises:
+            FileError: the film is shown before or after the take only.
+        """
+        times = film.times + offset
+        face, after = (Column.of(clip, times) for clip in (tracked, edited))
+        if not face.is_there.any():
+            raise FileError(film.path, "shows nothing of the take", "move the film in time")
+        same = np.array_equal(face.weights, after.weights)  # False if gaps were filled
+        return cls(film.path, stored.at, (face,) if same else (face, after))
+
+
+def check_names(output: Path, inputs: Iterable[Path]) -> None:
+    """Make sure that nothing is lost where an MP4 and the PNG beside it are written.
+
+    Args:
+        output: the MP4; if it is there, it is to be replaced, and so is its PNG.
+        inputs: files that are read.
+
+    Raises:
+        FileError: one of the inputs, or a PNG that belongs to no such MP4, would be.
+    """
+    picture = output.with_suffix(".png")
+    keep_inputs((output, picture), inputs)
+    if on_disk.exists(picture) and not on_disk.exists(output):
+        problem = f"is there already, and {output.name} comes with a picture of that name"
+        raise FileError(picture, problem, "choose another name")
 
 
 def write_side_by_side(
@@ -154,8 +186,9 @@ def _sound(film: Path) -> Soundtrack | None:
 
 def _moments(shown: SideBySide, rig: Rig) -> list[int]:
     """The pictures of the PNG: the lips shut and most open, and others spread between."""
-    pictures = np.flatnonzero(shown.sure)
-    opening = rig.arkit_distances.measure(shown.faces[0][shown.rows[pictures]])[:, 0]
+    face = shown.faces[0]
+    pictures = np.flatnonzero(face.is_there)
+    opening = rig.arkit_distances.measure(face.weights[face.rows[pictures]])[:, 0]
     order = np.argsort(opening, kind="stable")
     chosen = order[np.linspace(0, len(order) - 1, _ROWS).astype(int)]
     moments: list[int] = pictures[np.sort(chosen)].tolist()
@@ -186,10 +219,11 @@ class _Columns:
 
     def picture(self, index: int) -> Pixels:
         """(HEIGHT, n HEIGHT, 3): film with landmarks, tracked and edited face."""
-        shown = self._shown
         # In a gap the nearest face is shown, darkened.
-        shade = 1.0 if shown.sure[index] else _GAP
-        faces = [self._face(weights[shown.rows[index]], shade) for weights in shown.faces]
+        faces = [
+            self._face(face.weights[face.rows[index]], 1.0 if face.is_there[index] else _GAP)
+            for face in self._shown.faces
+        ]
         return np.concatenate([self._seen(index), *faces], axis=1)
 
     def _seen(self, index: int) -> Pixels:
@@ -219,7 +253,7 @@ def _square(shown: SideBySide, size: tuple[int, int]) -> tuple[float, float, flo
 
     It lies within the picture.
     """
-    seen = [shown.places(int(index)) for index in np.flatnonzero(shown.sure)]
+    seen = [shown.places(int(index)) for index in np.flatnonzero(shown.faces[0].is_there)]
     places = np.stack([one[list(DRAWN)] for one in seen if one is not None]) * size
     low, high = places.min(axis=1), places.max(axis=1)
     x, y = np.median((low + high) / 2.0, axis=0).tolist()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,56 @@ import pytest
 from PIL import Image
 from support.face_films import face_pictures, make_face_film, speaking
 from support.faces import shipped_rig
+from support.films import make_film
 from support.tracker import needs_tracker
 
-from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
+from faceedit_app.core.clip import Clip
+from faceedit_app.core.errors import FileError
 from faceedit_app.media.film import Film
-from faceedit_app.tracking.side_by_side import HEIGHT, SideBySide, write_side_by_side
+from faceedit_app.tracking.drawing import DRAWN
+from faceedit_app.tracking.landmark_file import StoredLandmarks
+from faceedit_app.tracking.landmarker import LANDMARKS
+from faceedit_app.tracking.side_by_side import HEIGHT, SideBySide, check_names, write_side_by_side
 from faceedit_app.tracking.tracker import track_film
+
+
+def test_a_gap_is_dark_until_it_is_filled(tmp_path: Path) -> None:
+    film = Film(make_film(tmp_path / "film.mp4", frames=10, rate=25))
+    weights = np.zeros((10, len(ARKIT_CHANNELS)), np.float32)
+    times = np.arange(10) / 25
+    whole = Clip(weights, ARKIT_CHANNELS, times, 25.0)
+    seen = np.r_[:3, 6:10]
+    gap = Clip(weights[seen], ARKIT_CHANNELS, times[seen], 25.0)
+    stored = _landmarks(10)
+    tracked, filled = SideBySide.of_take(film, stored, gap, whole, 0.0).faces
+    assert np.flatnonzero(~tracked.is_there).tolist() == [3, 4, 5]
+    assert filled.is_there.all()
+    assert filled.rows.tolist() == list(range(10))
+    assert len(SideBySide.of_take(film, stored, gap, gap, 0.0).faces) == 1, "nothing was edited"
+    with pytest.raises(FileError, match=r"film\.mp4: shows nothing of the take; move"):
+        SideBySide.of_take(film, stored, gap, whole, 9.0)
+    film.close()
+
+
+def _landmarks(pictures: int) -> StoredLandmarks:
+    """Landmarks of so many pictures without a face."""
+    points = np.full((pictures, len(DRAWN), 2), np.nan)
+    rows = np.full(LANDMARKS, -1, np.intp)
+    return StoredLandmarks("film.mp4", (90, 60), points, np.zeros(pictures), rows)
+
+
+def test_no_file_is_lost_beside_the_new_film(tmp_path: Path) -> None:
+    film, output = tmp_path / "me.mp4", tmp_path / "both.mp4"
+    film.touch()
+    check_names(output, [film])
+    with pytest.raises(FileError, match="would be written over"):
+        check_names(film, [film])
+    output.with_suffix(".png").touch()
+    with pytest.raises(FileError, match=r"both\.png: is there already, and both\.mp4"):
+        check_names(output, [film])
+    output.touch()  # the user was asked whether to replace it
+    check_names(output, [film])
 
 
 @needs_tracker
@@ -22,8 +67,9 @@ def test_a_report_shows_film_tracked_and_edited_face(tmp_path: Path) -> None:
     film = make_face_film(tmp_path / "face.mp4", face_pictures(speaking(12)))
     rig = shipped_rig()
     tracked = track_film(film, rig)
-    edited = tracked.clip.weights.copy()
-    edited[:, ARKIT_INDEX["jawOpen"]] = 0.8
+    weights = tracked.clip.weights.copy()
+    weights[:, ARKIT_INDEX["jawOpen"]] = 0.8
+    edited = replace(tracked.clip, weights=weights)
     picture, mp4 = write_side_by_side(
         tmp_path / "both.mp4", SideBySide.of_tracked(tracked, edited), rig
     )

@@ -160,6 +160,12 @@ def test_what_is_no_film_is_one_message_and_the_take_stays(bench: Bench, tmp_pat
         assert open_path(window) == bench.take
         assert not list(folder.glob("new*"))
         bench.qtbot.waitUntil(lambda: not window.workspace.unfinished.names, timeout=30_000)
+    # Where nothing can be written, it says so before the film is looked at.
+    bench.errors.clear()
+    bench.answers |= {"film_to_track": path, "save_take": tmp_path / "missing" / "new.csv"}
+    trigger(window, "track_film")
+    assert "new.csv: cannot be written" in bench.errors[0]
+    assert not window.workspace.unfinished.names
 
 
 def test_a_click_on_the_picture_tracks_the_face_there(
@@ -260,9 +266,10 @@ def test_film_and_face_are_exported_side_by_side(
     bench.qtbot.waitUntil(lambda: "both.mp4" in window.status.currentMessage() and bool(made))
     (shown,) = made
     assert shown.film == own
-    assert shown.rows.tolist() == list(range(25))
-    assert shown.sure.all()
     assert len(shown.faces) == 2
+    for face in shown.faces:
+        assert face.rows.tolist() == list(range(25))
+        assert face.is_there.all()
     assert shown.places(3) is not None
 
 

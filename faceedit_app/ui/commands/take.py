@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -112,8 +113,9 @@ class TakeCommands:
 
     @property
     def has_landmarks(self) -> bool:
-        """Whether the take was tracked in its film."""
-        return self._media.overlay.stored is not None
+        """Whether the take was tracked in its film, which is the one that is open."""
+        film, stored = self._media.film, self._media.overlay.stored
+        return film is not None and stored is not None and stored.film == film.path.name
 
     @property
     def shows_landmarks(self) -> bool:
@@ -126,7 +128,7 @@ class TakeCommands:
 
     def export_side_by_side(self) -> None:
         """Write film, tracked face and edited face side by side, in the background."""
-        if self._side_by_side.is_busy:
+        if self._side_by_side.is_busy or not self.has_landmarks:
             return
         placed, stored = self._media.film, self._media.overlay.stored
         session, rig = self._workspace.session, self._workspace.rig
@@ -137,13 +139,21 @@ class TakeCommands:
         output = dialogs.ask_save_side_by_side(self._workspace.window, suggestion)
         if output is None:
             return
-        film, clip, edited = placed, session.take.clip, session.weights.copy()
+        from faceedit_app.editing.filming import with_fills
+
+        film, take, edited = placed, session.take, with_fills(session)
 
         def work(advance: Advance, stopped: IsStopped) -> tuple[Path, Path]:
             from faceedit_app.media.film import Film
-            from faceedit_app.tracking.side_by_side import SideBySide, write_side_by_side
+            from faceedit_app.tracking.side_by_side import (
+                SideBySide,
+                check_names,
+                write_side_by_side,
+            )
 
-            shown = SideBySide.of_take(Film(film.path), stored, clip, film.offset, edited)
+            check_names(output, (film.path, take.path))
+            with closing(Film(film.path)) as opened:
+                shown = SideBySide.of_take(opened, stored, take.clip, edited, film.offset)
             return write_side_by_side(output, shown, rig, advance, stopped)
 
         def done(written: tuple[Path, Path]) -> None:
@@ -199,12 +209,12 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
             enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
     Command("film_landmarks", "Show &landmarks over the film", TakeCommands.toggle_landmarks,
             tip="Show where the tracker saw lips and lids, in the colours of their curves",
-            enabled=lambda do: do.has_film and do.has_landmarks,
+            enabled=lambda do: do.has_landmarks,
             checked=lambda do: do.has_landmarks and do.shows_landmarks),
     Command("side_by_side", "Export film and face side by s&ide…",
             TakeCommands.export_side_by_side,
             tip="Write the film with its landmarks, the tracked and the edited face as MP4 and PNG",
-            enabled=lambda do: do.has_film and do.has_landmarks),
+            enabled=lambda do: do.has_landmarks),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
             tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
             starts_group=True),

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core import on_disk
+from faceedit_app.core.atomic import check_writable, keep_inputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned, has_sound
 from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere
+from faceedit_app.tracking.landmark_file import files_of
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import sentence
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
@@ -53,7 +55,15 @@ class FilmTracking:
         self.dialog.face_chosen.connect(self._choose)
 
     def start(self) -> None:
-        """Show the dialog and begin."""
+        """Show the dialog and begin, if the take can be written: no film is tracked in vain."""
+        try:
+            keep_inputs(files_of(self._take), [self._film])
+            for path in files_of(self._take):
+                check_writable(path)
+        except FaceEditError as error:
+            self.dialog.deleteLater()
+            self._failed(error)
+            return
         self._written = self._workspace.unfinished.begin(self._take.name, self._give_up)
         self.dialog.open()
         self._run()
