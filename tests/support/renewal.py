@@ -38,8 +38,8 @@ from faceedit_app.ui.face.resolution import Quality
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.background import Background
-from faceedit_app.ui.state.clock import Unit
 from faceedit_app.ui.state.preferences import Preferences
+from faceedit_app.ui.state.time_display import Unit
 from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, Tool
 
 Facts = dict[str, Hashable]
@@ -272,7 +272,7 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
     workspace.opener.rig = None
     workspace.tools.choose(Tool.MOVE)
     workspace.tools.set_smooth(DEFAULT_SMOOTH)
-    workspace.timeline.clock.choose(Unit.SECONDS)
+    workspace.timeline.display.choose(Unit.SECONDS)
     _forget_gestures(window, page)
     page._take = None
     page.curves.shown.show_all()
