@@ -14,15 +14,16 @@ from faceedit_app.core.arrays import Doubles, Pixels, Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.media.container import check, film_stream, opened
 from faceedit_app.media.film import BEHIND, Film
-from faceedit_app.tracking.following import Follower
+from faceedit_app.tracking.following import CERTAIN, Follower
 from faceedit_app.tracking.hidden import colors_at
-from faceedit_app.tracking.landmarker import LANDMARKS, OUTER_EYES, FaceLandmarker
+from faceedit_app.tracking.landmarker import LANDMARKS, OUTER_EYES, FaceLandmarker, FaceLandmarks
 from faceedit_app.tracking.lips import SAMPLES, colors_across
 
 _SLOWEST = 8.0  # pictures per second; speech has closures of a tenth of a second
 _FEWEST = 8
 _LARGEST = 4096  # pixels of the longest side
 _PICTURES = ("image2", "gif", "apng", "webp_pipe", "_pipe")
+_RIVAL = 1 / 3  # of the largest face's height; who is smaller is in the background
 _PAUSE = 8.0  # times the usual step between pictures
 
 
@@ -47,6 +48,23 @@ class Progress:
 
 
 Report = Callable[[Progress], None]
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Several faces in the first picture with one, for the user to choose from.
+
+    Attributes:
+        picture: (H, W, 4) BGRA.
+        boxes: (n, 4) shares of its width and height: left, top, right and bottom of each face, the
+            largest first.
+    """
+
+    picture: Pixels
+    boxes: Doubles
+
+
+Choose = Callable[[Faces], int]  # says which of the faces to follow
 
 
 @dataclass(frozen=True)
@@ -128,6 +146,7 @@ def read_landmarks(
     report: Report = lambda progress: None,
     stopped: Callable[[], bool] | None = None,
     face: Chosen | None = None,
+    choose: Choose | None = None,
 ) -> FilmLandmarks:
     """Find one face in every picture of a film and follow it.
 
@@ -137,6 +156,7 @@ def read_landmarks(
         report: is called after each picture.
         stopped: asked after each picture; True gives up.
         face: the face to follow; None = the largest in the first picture with one.
+        choose: is asked instead if that picture has several, unless `face` says it.
 
     Raises:
         NoFaceThere: there is no face at the chosen place.
@@ -154,7 +174,7 @@ def read_landmarks(
         raise FileError(
             path, f"{what}, too few for a take", f"use a film with {_SLOWEST:g} or more a second"
         )
-    seeing = _Seeing(film, landmarker, face, rate)
+    seeing = _Seeing(film, landmarker, face, choose, rate)
     try:
         for done, index in enumerate(seeing.order, 1):
             check(stopped)
@@ -184,9 +204,15 @@ class _Seeing:
     """
 
     def __init__(
-        self, film: Film, landmarker: FaceLandmarker, face: Chosen | None, rate: float
+        self,
+        film: Film,
+        landmarker: FaceLandmarker,
+        face: Chosen | None,
+        choose: Choose | None,
+        rate: float,
     ) -> None:
         self._film, self._landmarker, self._face = film, landmarker, face
+        self._choose, self._is_open = choose, face is None  # which face to follow
         self._follower: Follower | None = None
         self._is_chosen_here = face is not None and face.seconds is not None  # in the first picture
         first = 0 if face is None or face.seconds is None else film.index_at(face.seconds)
@@ -226,6 +252,9 @@ class _Seeing:
         if index == self._first - 1 and self.has_face(self._first):
             self._follower.go_on_from(self.seen.points[self._first])
         found = self._follower.step(image)
+        if found is not None and self._is_open:
+            self._is_open = False
+            found = self._chosen(picture, image) or found
         if found is not None:
             seen, points = self.seen, found.points
             seen.points[index], seen.probabilities[index] = points, found.probability
@@ -236,11 +265,37 @@ class _Seeing:
             raise NoFaceThere(self._film.path, self._face)
         return picture
 
+    def _chosen(self, picture: Pixels, image: Image.Image) -> FaceLandmarks | None:
+        """The face that the user chooses, if a picture has several; else None."""
+        boxes = boxes_of_faces(image, self._landmarker)
+        if len(boxes) < 2:
+            return None
+        if self._choose is None:
+            said = f"it shows {len(boxes)} faces: the largest was followed; --face follows another"
+            self.seen = replace(self.seen, remarks=(*self.seen.remarks, said))
+            return None
+        left, top, right, bottom = boxes[self._choose(Faces(picture, boxes))].tolist()
+        place = (left + right) / 2.0 * image.width, (top + bottom) / 2.0 * image.height
+        self._follower = Follower(self._landmarker, place)
+        return self._follower.step(image)
+
     def _started(self, width: int, height: int) -> Follower:
         self.seen = replace(self.seen, size=(width, height))
         face = self._face
         place = None if face is None else (face.x * width, face.y * height)
         return Follower(self._landmarker, place)
+
+
+def boxes_of_faces(image: Image.Image, landmarker: FaceLandmarker) -> Doubles:
+    """(n, 4) the faces of a picture that may be the one to follow, as `Faces.boxes`."""
+    found = [landmarker.landmarks(image, square) for square in landmarker.faces(image)]
+    points = [face.points[:, :2] for face in found if face and face.probability > CERTAIN]
+    boxes = np.array([(*some.min(axis=0), *some.max(axis=0)) for some in points]).reshape(-1, 4)
+    boxes /= (*image.size, *image.size)
+    tall = boxes[:, 3] - boxes[:, 1]
+    order = np.argsort(-tall, kind="stable")
+    faces: Doubles = boxes[order[tall[order] >= _RIVAL * tall.max(initial=0.0)]]
+    return faces
 
 
 def usual_rate(times: Times) -> float:

@@ -11,7 +11,7 @@ from PIL import Image
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.tracking.landmarker import FaceLandmarker, FaceLandmarks, Square
 
-_CERTAIN = 0.9  # probability of a face that is upside down or small, where more looks like one
+CERTAIN = 0.9  # probability of a face that is upside down or small, where more looks like one
 _NEAR = 0.75  # of a face's size; where it is looked for after it was lost
 _ON_IT = 0.5  # of a found square; how far from its middle a place is still on the face
 _CLOSER = 3.0  # times the last square, where a face that was lost is looked for
@@ -118,4 +118,4 @@ def _spread(length: float, side: float) -> list[float]:
 
 
 def _if_certain(face: FaceLandmarks | None) -> FaceLandmarks | None:
-    return face if face is not None and face.probability > _CERTAIN else None
+    return face if face is not None and face.probability > CERTAIN else None

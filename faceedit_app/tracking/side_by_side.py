@@ -28,6 +28,7 @@ from faceedit_app.tracking.tracker import Tracked
 
 HEIGHT = 480  # pixels of each picture
 _ROWS = 4  # of the picture
+_VISIBLE = 0.5  # mm by which an edit changes a curve
 _MARGIN = 3.2  # of the square around the face, in heights from the brows to the lower lip
 _GAP = 0.35  # how bright the face is while the film shows none
 _SHARP = 2  # lines are drawn so many times as large and scaled down
@@ -185,13 +186,25 @@ def _sound(film: Path) -> Soundtrack | None:
 
 
 def _moments(shown: SideBySide, rig: Rig) -> list[int]:
-    """The pictures of the PNG: the lips shut and most open, and others spread between."""
-    face = shown.faces[0]
-    pictures = np.flatnonzero(face.is_there)
-    opening = rig.arkit_distances.measure(face.weights[face.rows[pictures]])[:, 0]
-    order = np.argsort(opening, kind="stable")
-    chosen = order[np.linspace(0, len(order) - 1, _ROWS).astype(int)]
-    moments: list[int] = pictures[np.sort(chosen)].tolist()
+    """The pictures of the PNG: the lips shut and most open, and others spread between.
+
+    If there are edits, these are pictures that they change, among them the one they change most.
+    """
+    first, last = shown.faces[0], shown.faces[-1]
+    pictures = np.flatnonzero(last.is_there)
+    before, after = (
+        rig.arkit_distances.measure(face.weights[face.rows[pictures]]) for face in (first, last)
+    )
+    change = np.abs(after - before).max(axis=1)
+    edited = change > _VISIBLE
+    if edited.sum() >= _ROWS:
+        pictures, after, change = pictures[edited], after[edited], change[edited]
+    order = np.argsort(after[:, 0], kind="stable")
+    ranks = np.linspace(0, len(order) - 1, _ROWS).astype(int)
+    if edited.any():
+        most = int(np.flatnonzero(order == change.argmax())[0])
+        ranks[np.abs(ranks - most).argmin()] = most
+    moments: list[int] = pictures[np.sort(order[ranks])].tolist()
     return moments
 
 

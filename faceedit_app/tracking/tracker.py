@@ -22,6 +22,7 @@ from faceedit_app.formats.timing import counted
 from faceedit_app.media.container import check
 from faceedit_app.tracking.face_model import FaceModel
 from faceedit_app.tracking.film_landmarks import (
+    Choose,
     Chosen,
     FilmLandmarks,
     Progress,
@@ -149,6 +150,7 @@ def track_film(
     stopped: Callable[[], bool] | None = None,
     face: Chosen | None = None,
     settings: FitSettings = DEFAULT,
+    choose: Choose | None = None,
 ) -> Tracked:
     """Track the face in a film.
 
@@ -157,14 +159,14 @@ def track_film(
         rig: the shipped character.
         report: called in this thread with how far it is.
         stopped: True gives up.
-        face: as in `read_landmarks`.
+        face, choose: as in `read_landmarks`.
         settings: of the fit.
 
     Raises:
         FileError, Unavailable, Abandoned: as `read_landmarks`.
     """
     model = FaceModel.of(rig)
-    seen = read_landmarks(path, FaceLandmarker(threads=2), report, stopped, face)
+    seen = read_landmarks(path, FaceLandmarker(threads=2), report, stopped, face, choose)
 
     def fitting(done: int, of: int) -> None:
         check(stopped)

@@ -18,7 +18,14 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.opening import open_take
 from faceedit_app.media.container import Abandoned
-from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere, Progress
+from faceedit_app.tracking.film_landmarks import (
+    Chosen,
+    Faces,
+    NoFaceThere,
+    Progress,
+    read_landmarks,
+)
+from faceedit_app.tracking.landmarker import FaceLandmarker
 from faceedit_app.tracking.tracker import Tracked, track_film, write_take
 
 pytestmark = needs_tracker
@@ -239,6 +246,33 @@ def test_the_largest_face_is_tracked_or_the_one_that_was_chosen(
     assert looked == [*range(chosen_in, 25), *range(chosen_in - 1, -1, -1)]
     with pytest.raises(NoFaceThere, match=r"shows no face at 0\.80,0\.90; choose a place"):
         track_film(path, shipped_rig(), face=Chosen(0.8, 0.9))
+
+
+def test_of_several_faces_in_the_first_picture_the_user_chooses(
+    tmp_path: Path, pictures: list[NDArray[np.uint8]]
+) -> None:
+    picture = np.zeros((SIZE, SIZE + 240, 3), np.uint8)
+    picture[:, :SIZE] = pictures[0]
+    picture[:240, SIZE:] = np.asarray(Image.fromarray(pictures[0]).resize((240, 240)))
+    film = make_face_film(tmp_path / "two.mp4", [picture] * 8)
+    asked: list[Faces] = []
+
+    def choose(faces: Faces) -> int:
+        asked.append(faces)
+        return 1
+
+    landmarker = FaceLandmarker()
+    seen = read_landmarks(film, landmarker, choose=choose)
+    (faces,) = asked
+    share = SIZE / (SIZE + 240)
+    assert (faces.boxes[0, :3:2] < share).all()
+    assert (faces.boxes[1, :3:2] > share).all()
+    assert (seen.points[:, 1, 0] > SIZE).all()
+    largest = read_landmarks(film, landmarker)
+    assert (largest.points[:, 1, 0] < SIZE).all()
+    assert largest.remarks == (
+        "it shows 2 faces: the largest was followed; --face follows another",
+    )
 
 
 def test_a_small_face_in_a_large_picture_is_found(

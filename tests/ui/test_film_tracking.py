@@ -174,9 +174,9 @@ def test_a_click_on_the_picture_tracks_the_face_there(
     faces: list[Any] = []
     real = tracker.track_film
 
-    def noted(*given: Any) -> Any:
+    def noted(*given: Any, **named: Any) -> Any:
         faces.append(given[4])
-        return real(*given)
+        return real(*given, **named)
 
     monkeypatch.setattr(tracking.tracker, "track_film", noted)
     window = bench.window()
@@ -218,7 +218,8 @@ def test_of_two_faces_the_clicked_one_is_tracked(
     bench.answers |= {"film_to_track": film, "save_take": tmp_path / "two.csv"}
     trigger(window, "track_film")
     dialog = dialog_of(window)
-    bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)
+    bench.qtbot.waitUntil(dialog.largest.isVisible, timeout=30_000)
+    assert dialog.status.text() == "2 faces: click the one to track"
 
     def click(x: float, y: float) -> None:
         room = dialog.picture._room()
@@ -226,6 +227,11 @@ def test_of_two_faces_the_clicked_one_is_tracked(
         QTest.mouseClick(dialog.picture, Qt.MouseButton.LeftButton, pos=place.toPoint())
 
     right = (SIZE + 120) / (SIZE + 240)
+    click(right, 0.95)  # beside both
+    assert dialog.largest.isVisible()
+    QTest.mouseClick(dialog.largest, Qt.MouseButton.LeftButton)
+    assert not dialog.largest.isVisible()
+    bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)
     click(right, 0.95)  # below the small face: the large one is followed as before
     clicked.release()
     bench.qtbot.waitUntil(lambda: bool(said), timeout=30_000)

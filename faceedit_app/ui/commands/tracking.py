@@ -82,6 +82,7 @@ class FilmTracking:
                 dialog.report,
                 dialog.is_stopped,
                 face,
+                choose=dialog.ask_face,
             )
             write_take(tracked, self._take)
             write_landmarks(tracked, self._take)
