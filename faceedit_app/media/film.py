@@ -14,6 +14,7 @@ from faceedit_app.core.arrays import Pixels, Times
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.media.container import file_errors, film_stream, open_container, opened
 from faceedit_app.media.film_index import decoded, index_of
+from faceedit_app.media.pixels import pixels_of
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -191,12 +192,10 @@ def _upright(frame: VideoFrame, aspect: float) -> Pixels:
     wide, high = frame.width * aspect, float(frame.height)
     scale = min(1.0, LONGEST_SIDE / max(wide, high))
     size = max(1, round(wide * scale)), max(1, round(high * scale))
-    # With several threads FFmpeg 8 corrupts pixels at the borders of their slices.
-    scaled = frame.reformat(width=size[0], height=size[1], format="bgra", threads=1)
-    pixels = scaled.to_ndarray()
+    pixels = pixels_of(frame, *size)
     turns = round(frame.rotation / 90) % 4  # quarter turns, anticlockwise
     if turns == 0:
-        return np.asarray(pixels, np.uint8)
+        return pixels
     # A pixel as one number: four times as fast.
     turned = np.rot90(np.ascontiguousarray(pixels).view(np.uint32)[:, :, 0], turns)
     return np.ascontiguousarray(turned)[:, :, None].view(np.uint8)

@@ -18,6 +18,7 @@ from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.errors import FaceEditError, Unavailable
 from faceedit_app.media.growing_film import GrowingFilm
 from faceedit_app.media.microphone import Microphone
+from faceedit_app.media.pixels import pixels_of
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -247,6 +248,4 @@ class WebcamRecorder:
 def _small(frame: VideoFrame) -> Pixels:
     share = min(1.0, _PREVIEW / max(frame.width, frame.height))
     width, height = (max(1, round(side * share)) for side in (frame.width, frame.height))
-    shown: Any = frame.reformat(width=width, height=height, format="bgra", threads=1)
-    pixels: Pixels = shown.to_ndarray()
-    return pixels
+    return pixels_of(frame, width, height)

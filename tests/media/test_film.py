@@ -8,6 +8,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+from support.face_films import make_face_film
 from support.films import SIZE, damage_pictures, make_film, number_of
 
 from faceedit_app.core.errors import FaceEditError, FileError
@@ -75,6 +76,16 @@ def test_phones_say_how_to_turn_the_picture(tmp_path: Path, turn: int) -> None:
     assert upright.shape == (SIZE[1], SIZE[0], 4)
     assert number_of(upright) == 5
     assert picture.flags.c_contiguous
+
+
+@pytest.mark.parametrize("width", [640, 642, 644])
+def test_pictures_of_any_width_are_whole(tmp_path: Path, width: int) -> None:
+    levels = [60, 200, 90, 230]
+    pictures = [np.full((48, width, 3), level, np.uint8) for level in levels]
+    film = Film(make_face_film(tmp_path / "plain.mp4", pictures))
+    for index in range(len(levels)):
+        assert np.ptp(film.picture(index)[..., :3]) <= 6, index
+    film.close()
 
 
 def test_a_damaged_stretch_shows_what_is_there(tmp_path: Path) -> None:
