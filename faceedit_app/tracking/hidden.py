@@ -22,7 +22,9 @@ _CHEEKS = 28.0  # mm below that
 _HIDDEN, _PLAIN = 0.55, 0.8  # correlations at which all is hidden, and none
 _TURNED = 0.75  # by how much less they are for a head turned by a radian
 _ALIKE = 0.75  # correlation of pictures that show the same
-_SHARES = 0.2, 0.4  # of the film that looks like a picture: unusual, and usual
+# Shares of the film that look like a picture, from which on it is unusual, and usual: where all of
+# the face looks different, and where only mouth or eyes do.
+_SCENE, _HABIT = (0.2, 0.4), (0.4, 0.6)
 _MOST = 200  # pictures with which each is compared
 
 
@@ -49,11 +51,17 @@ def seen_share(model: FaceModel, colors: Pixels, yaw: Doubles) -> Doubles:
         yaw: (T,) radians, how far the head is turned: light and shade change with it.
     """
     parts = [_usual(colors[:, part].astype(np.float64)) for part in _parts(model)]
-    likeness = np.min([alike for alike, _ in parts], axis=0) + _TURNED * np.abs(yaw)
     often = np.min([often for _, often in parts], axis=0)
-    plain = np.interp(likeness, (_HIDDEN, _PLAIN), (0.0, 1.0))
-    # A scene of its own, in other light, is no hand.
-    share: Doubles = np.maximum(plain, np.interp(often, _SHARES, (0.0, 1.0)))
+    plain = [
+        np.interp(alike + _TURNED * np.abs(yaw), (_HIDDEN, _PLAIN), (0.0, 1.0))
+        for alike, _ in parts
+    ]
+    # A scene of its own, in other light, is no hand: it changes all of the face.
+    partly = np.max(plain, axis=0)
+    scene = np.interp(often, _SCENE, (0.0, 1.0)), np.interp(often, _HABIT, (0.0, 1.0))
+    share: Doubles = np.maximum(
+        np.min(plain, axis=0), (1.0 - partly) * scene[0] + partly * scene[1]
+    )
     return share
 
 
