@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets.builder.brows import BrowArch, build_brow
+from assets.builder.brows import BrowArch, build_brow, build_brow_down
 from assets.builder.colour import paint_skin, shade
 from assets.builder.controls import control_pairs
 from assets.builder.eyes import build_eye, build_wet
@@ -31,7 +31,9 @@ def build_rig(source: Source) -> Rig:
     skin = build_skin(face, above, paint_skin(face, arch, above))
     surface = Surface(mesh_of(skin.vertices, skin.faces))
     parts = [skin, build_base(skin, len(face.skin))]
-    parts += [build_brow(eye.side, arch, skin, surface) for eye in face.eyes]
+    for eye in face.eyes:
+        parts.append(build_brow_down(eye.side, arch, skin, surface))
+        parts.append(build_brow(eye.side, arch, skin, surface))
     for eye in face.eyes:
         parts += build_lashes(face, eye, skin, surface)
     parts += [build_eye(face, eye) for eye in face.eyes]
@@ -39,7 +41,6 @@ def build_rig(source: Source) -> Rig:
         parts += build_wet(face, eye, skin, surface)
     parts += build_teeth(face)
     parts += build_hair(line, skin, surface)
-    parts += [build_brow(eye.side, arch, skin, surface, more=True) for eye in face.eyes]
     return _to_rig(_join(parts), face)
 
 
@@ -60,6 +61,7 @@ def _join(parts: list[Part]) -> Part:
         materials[order],
         np.concatenate([part.colors for part in parts])[used],
         np.concatenate([part.base_index for part in parts])[used],
+        np.concatenate([part.cover for part in parts])[used],
     )
 
 
@@ -69,6 +71,7 @@ def _to_rig(part: Part, face: Face) -> Rig:
     origin = np.array([0, eye[1] - OUTPUT.origin_below_eyes, eye[2] - OUTPUT.origin_behind_eyes])
     colors = np.ones((len(part.vertices), 4), np.float32)
     colors[:, :3] = (np.round(shade(part) * 255) / 255) ** OUTPUT.gamma
+    colors[:, 3] = np.round(part.cover * 255) / 255
     starts = np.searchsorted(part.materials, np.arange(len(MATERIALS) + 1))
     materials = tuple(
         Material(name, int(start), int(stop), roughness)

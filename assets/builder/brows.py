@@ -8,9 +8,9 @@ import numpy as np
 import trimesh
 from scipy.interpolate import PchipInterpolator
 
-from assets.builder.geometry import MIRROR, Surface, project_front, smoothstep
+from assets.builder.geometry import MIRROR, Surface, bridge_rows, project_front, smoothstep
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
-from assets.builder.settings import BROWS
+from assets.builder.settings import BROWS, COLOUR
 from assets.builder.shapes import Face
 from assets.builder.source import Floats
 
@@ -35,17 +35,16 @@ class BrowArch:
         return np.asarray((np.abs(x) - self.start) / (self.stop - self.start))
 
 
-def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface, more: bool = False) -> Part:
-    """One brow; both sides draw the same random numbers and so mirror one another.
+def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
+    """The strands of one brow; both sides draw the same random numbers and so mirror one another.
 
     Args:
         side: of the character.
         arch: where the brow lies.
         skin, surface: what it is tied to.
-        more: the strands that fill it, which come after all other parts: landmarks name vertices.
     """
-    random = np.random.default_rng(BROWS.seed + more)
-    count = BROWS.more_strands if more else BROWS.strands
+    random = np.random.default_rng(BROWS.seed)
+    count = BROWS.strands
     t = np.sort((np.arange(count) + random.uniform(0, 1, count)) / count)
     across = random.uniform(-1, 1, count)
     lean = np.where(across > 0, BROWS.lean[1], BROWS.lean[0])
@@ -71,12 +70,35 @@ def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface, more: bo
     deltas = np.stack([root_delta, widest_delta, tip_delta], axis=2)
     shade = np.repeat(random.uniform(*BROWS.brightness, count), 3)[:, None]
     return make_part(
-        f"brow{side}{'Fill' if more else ''}",
+        f"brow{side}",
         vertices.reshape(-1, 3),
         np.arange(3 * count).reshape(-1, 3),
         "brows",
         srgb(BROWS.color) * shade,
         deltas.reshape(CHANNEL_COUNT, -1, 3),
+        cover=np.tile(BROWS.cover, count),
+    )
+
+
+def build_brow_down(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
+    """The short, fine hair under the strands: a band without an edge."""
+    flip = MIRROR[:2] if side == "Right" else np.ones(2)
+    start, stop, columns = BROWS.down_along
+    t = np.linspace(start, stop, columns)
+    rows = np.array(BROWS.down_rows)
+    x = arch.start + t * (arch.stop - arch.start)
+    height = arch.height(x) + rows[:, :1] * _thickness(t) / 2
+    points = np.stack([np.broadcast_to(x, height.shape), height], axis=-1).reshape(-1, 2)
+    anchors = surface.anchor(project_front(surface.mesh, points * flip))
+    faces = bridge_rows(len(rows), columns, closed=False)
+    return make_part(
+        f"brow{side}Down",
+        surface.position(anchors, BROWS.down_lift),
+        faces if side == "Right" else faces[:, ::-1],
+        "brows",
+        srgb(BROWS.color) + (srgb(COLOUR.skin) - srgb(BROWS.color)) * BROWS.down_skin,
+        anchors.read(skin.deltas),
+        cover=(rows[:, 1:] * table(BROWS.down_cover, t)).ravel(),
     )
 
 

@@ -17,7 +17,7 @@ from assets.builder.geometry import (
     mesh_of,
     smoothstep,
 )
-from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb, table
+from assets.builder.parts import CHANNEL_COUNT, Part, make_part, settled, srgb, table
 from assets.builder.settings import COLOUR, HAIR
 from assets.builder.shapes import Face
 from assets.builder.skin import head_faces
@@ -169,7 +169,20 @@ def _cap(
     fade = np.r_[np.repeat(np.exp(-np.array(HAIR.rings) / HAIR.move_fade), HAIR.cap_columns), 0]
     deltas = surface.anchor(vertices).read(skin.deltas) * fade[:, None]
     color = np.concatenate([*colors, [srgb(HAIR.color)]])
-    return make_part("hair", vertices, faces, "hair", color, _settled(deltas)), crown
+    aside = np.abs((np.rad2deg(line.azimuths) + 180) % 360 - 180)
+    cover = np.maximum.outer(
+        table(HAIR.cover, np.array(HAIR.rings)), smoothstep(*HAIR.cover_span, aside)
+    )
+    cap = make_part(
+        "hair",
+        vertices,
+        faces,
+        "hair",
+        color,
+        settled(deltas, HAIR.moves_from),
+        cover=np.r_[cover.ravel(), 1],
+    )
+    return cap, crown
 
 
 def _locks(azimuths: Floats) -> Floats:
@@ -249,17 +262,9 @@ def _wisps(line: Hairline, skin: Part, surface: Surface) -> Part:
         _on_scalp(
             np.repeat(shade, 4), np.tile([root_skin, middle_skin, middle_skin, tip_skin], count)
         ),
-        _settled(deltas.reshape(CHANNEL_COUNT, -1, 3)),
+        settled(deltas.reshape(CHANNEL_COUNT, -1, 3), HAIR.moves_from),
+        cover=np.tile(HAIR.wisp_cover, count),
     )
-
-
-def _settled(deltas: Floats) -> Floats:
-    """Displacements (52, V, 3) without those of vertices that hardly move.
-
-    What stands still is drawn once for many pictures.
-    """
-    moves = np.linalg.norm(deltas, axis=2).max(0) >= HAIR.moves_from
-    return np.asarray(deltas * moves[:, None])
 
 
 def _wisp_choices() -> tuple[Floats, ...]:

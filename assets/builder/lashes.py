@@ -93,6 +93,7 @@ def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface
         "lashes",
         srgb(row.color) * np.repeat(random.uniform(*LASHES.brightness, row.strands), 5)[:, None],
         np.stack(deltas, axis=2).reshape(CHANNEL_COUNT, -1, 3),
+        cover=np.tile(LASHES.cover, row.strands),
     )
 
 
@@ -129,6 +130,7 @@ def _line(name: str, edge: _Edge, row: LashRow) -> Part:
         "lashes",
         srgb(row.liner_color),
         np.concatenate([edge.deltas, edge.deltas], axis=1),
+        cover=np.repeat(LASHES.line_cover, len(outer)),
     )
 
 

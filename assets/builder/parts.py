@@ -27,6 +27,7 @@ class Part:
         materials: (F,) indices into `MATERIALS`.
         colors: (V, 3) sRGB, 0..1.
         base_index: (V,) the base-mesh vertex that each vertex is, or -1.
+        cover: (V,) 0..1, how much it hides of what is behind it.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Part:
     materials: Ints
     colors: Floats
     base_index: Ints
+    cover: Floats
 
 
 def make_part(
@@ -46,8 +48,9 @@ def make_part(
     color: Floats,
     deltas: Floats | None = None,
     base_index: Ints | None = None,
+    cover: Floats | None = None,
 ) -> Part:
-    """A part; one material, one colour and no motion are spread over all of it."""
+    """A part; one material, one colour, no motion and full cover are spread over all of it."""
     count = len(vertices)
     kind = MATERIAL_INDEX[material] if isinstance(material, str) else material
     return Part(
@@ -58,7 +61,17 @@ def make_part(
         np.array(np.broadcast_to(kind, len(faces))),
         np.clip(np.broadcast_to(color, (count, 3)), 0, 1),
         np.full(count, -1) if base_index is None else base_index,
+        np.ones(count) if cover is None else cover,
     )
+
+
+def settled(deltas: Floats, least: float) -> Floats:
+    """Displacements (52, V, 3) without those of vertices that no channel moves by `least` mm.
+
+    What stands still is drawn once for many pictures.
+    """
+    moves = np.linalg.norm(deltas, axis=2).max(0) >= least
+    return np.asarray(deltas * moves[:, None])
 
 
 def srgb(hexadecimal: str) -> Floats:

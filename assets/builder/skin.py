@@ -9,7 +9,7 @@ import trimesh
 
 from assets.builder import source as src
 from assets.builder.geometry import fan, mesh_of
-from assets.builder.parts import MATERIAL_INDEX, Part, make_part, srgb
+from assets.builder.parts import MATERIAL_INDEX, Part, make_part, settled, srgb
 from assets.builder.settings import SKIN
 from assets.builder.shapes import Face
 from assets.builder.source import Bools, Floats, Ints
@@ -46,7 +46,7 @@ def build_skin(face: Face, above_hairline: Floats, colors: Floats) -> Part:
     mouth, lips = face.mouth[corner].mean(1) > 0.5, face.lips[corner].mean(1) > 0.5
     materials = np.where(lips, MATERIAL_INDEX["lips"], MATERIAL_INDEX["skin"])
     materials = np.where(mouth, MATERIAL_INDEX["mouth"], materials)
-    deltas = extend(face.deltas[:, src.BODY])
+    deltas = settled(extend(face.deltas[:, src.BODY]), SKIN.moves_from)
     return make_part("skin", extend(face.skin), faces, materials, extend(colors), deltas, index)
 
 

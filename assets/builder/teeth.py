@@ -145,6 +145,9 @@ def _tooth_faces(tooth: Floats) -> Ints:
     """Triangles of one tooth without its root end, turned outwards."""
     last = (len(TEETH.levels) - 1) * TEETH.sides
     walls = bridge_rows(len(TEETH.levels), TEETH.sides, closed=True)
+    # The walls at which it touches its neighbours cannot be seen.
+    across = np.abs(np.cos(_corners()))[walls % TEETH.sides].min(1)
+    walls = walls[across < TEETH.touching]
     cap = fan(last, last + np.arange(1, TEETH.sides))[:-1]
     faces = np.concatenate([walls, cap])
     outward = tooth[faces].mean(1) - tooth.mean(0)

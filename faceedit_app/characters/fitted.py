@@ -289,6 +289,8 @@ def _rig(
         tint = np.array(_CLAY if is_bare else part.surface.color, np.float32)
         own = np.ones((len(part.neutral), 4), np.float32) if part.colors is None else part.colors
         colors.append(own * tint)
+        if part.surface.cutoff == 0.0:
+            colors[-1][:, 3] = 1.0  # what is opaque is so whatever its alpha
         uv.append(np.zeros((len(part.neutral), 2), np.float32) if part.uv is None else part.uv)
         if numbers[number] is None and part.surface.cutoff > float(colors[-1][:, 3].max()):
             continue  # invisible, such as a cornea

@@ -14,6 +14,7 @@ from OpenGL import GL
 from faceedit_app.core.arrays import Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.difference import Tinter
+from faceedit_app.render.hollows import HollowFinder
 from faceedit_app.render.pyrender_parts import (
     FLOAT_SZ,
     GLTF,
@@ -172,8 +173,9 @@ class Model:
         looks: (V, 4): `surface.vertex_looks`.
 
     Attributes:
-        still, moving: the faces that no blendshape changes, and the others.
+        still, moving: the faces that look the same whatever the face does, and the others.
         backdrop: one triangle that covers the picture.
+        hollows: how far lids and lips are open, which shades what is behind them.
     """
 
     def __init__(self, rig: Rig, looks: Floats) -> None:
@@ -191,6 +193,8 @@ class Model:
         self.backdrop = Mesh([Primitive(corners, material=Material(BACKDROP, doubleSided=True))])
         self._colors, self._tinter, self._is_plain = rig.colors, Tinter(rig.colors), True
         self._still_at: Floats = np.take(rig.neutral, self.still.vertices, axis=0)
+        self._find_hollows = HollowFinder(rig, self.still.vertices)
+        self.hollows = self._find_hollows(rig.neutral)
 
     def move(self, vertices: Floats) -> bool:
         """Move the vertices to `vertices` (V, 3), metres.
@@ -200,11 +204,13 @@ class Model:
         """
         self.moving.move(vertices)
         still = np.take(vertices, self.still.vertices, axis=0)
-        if np.array_equal(still, self._still_at):
-            return False
-        self._still_at = still
-        self.still.move(vertices)
-        return True
+        turned = not np.array_equal(still, self._still_at)
+        if turned:
+            self._still_at = still
+            self.still.move(vertices)
+            self._find_hollows.turned(vertices)
+        self.hollows = self._find_hollows(vertices)
+        return turned
 
     def tint(self, tint: Floats | None) -> None:
         """Tint the vertices by `tint` (V,), 0..1; None removes the tint."""
@@ -224,7 +230,8 @@ def _material(group: Group, textures: Sequence[Texture]) -> Material:
     # Only the skin is known to be closed; lashes and brows are thin.
     both_sides = group.shading is not Shading.FLESH
     if group.texture is None:
-        return Material(group.shading.value, doubleSided=both_sides)
+        mode = "BLEND" if group.sheer else "OPAQUE"
+        return Material(group.shading.value, doubleSided=both_sides, alphaMode=mode)
     return MetallicRoughnessMaterial(
         group.shading.value,
         baseColorTexture=textures[group.texture],

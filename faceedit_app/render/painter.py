@@ -8,6 +8,7 @@ import numpy as np
 from OpenGL import GL
 
 from faceedit_app.core.arrays import Doubles
+from faceedit_app.render.hollows import Hollows
 from faceedit_app.render.programs import Program
 from faceedit_app.render.pyrender_parts import Camera, Material, Mesh, Renderer
 from faceedit_app.render.surface import Shading
@@ -74,9 +75,11 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
 
     Attributes:
         order: the order for the next call of `render`.
+        hollows: how far lids and lips are open, for the shaders that ask for it.
     """
 
     order: Order
+    hollows: Hollows | None = None
 
     def __init__(self, background: tuple[float, float, float]) -> None:
         super().__init__(1, 1)
@@ -105,7 +108,9 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
         if material.name in _SHADINGS:
             key = ("face", material.name)
             key += ("TEXTURED",) if material.tex_flags else ()
-            key += ("QUICK",) if quick and material.name == Shading.FLESH.value else ()
+            key += ("SHEER",) if material.alphaMode == "BLEND" else ()
+            can_be_quick = material.name == Shading.FLESH.value or "SHEER" in key
+            key += ("QUICK",) if quick and can_be_quick else ()
         program = self._programs.get(key)
         if program is None:
             program = self._programs[key] = Program(*key)
@@ -133,6 +138,7 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
                 program.set_uniform("clip_from_world", self._clip_from_world)
                 program.set_uniform("camera_from_world", self._camera_from_world)
             program.set_uniform("cutoff", primitive.material.alphaCutoff)
+            program.set_hollows(self.hollows)
             self._bind_and_draw_primitive(primitive, None, program, flags)
             self._reset_active_textures()
         GL.glFlush()

@@ -8,6 +8,7 @@ from typing import Any
 
 from OpenGL import GL
 
+from faceedit_app.render.hollows import Hollows
 from faceedit_app.render.pyrender_parts import ShaderProgram
 
 _SHADERS = Path(__file__).parent / "shaders"
@@ -35,11 +36,23 @@ class Program(ShaderProgram):  # type: ignore[misc]  # pyrender has no types
         count = GL.glGetProgramiv(self._program_id, GL.GL_ACTIVE_UNIFORMS)
         self._names = {GL.glGetActiveUniform(self._program_id, i)[0].decode() for i in range(count)}
         self.view: object = None
+        self._hollows: Hollows | None = None
 
     def set_uniform(self, name: str, value: Any, unsigned: bool = False) -> None:
         """Set a uniform if the shaders have it; pyrender sets many that they lack."""
         if name in self._names:
             super().set_uniform(name, value, unsigned)
+
+    def set_hollows(self, hollows: Hollows | None) -> None:
+        """Set what is known of lids and lips, if the shaders ask for it and it is new."""
+        before = self._hollows
+        if hollows is None or hollows is before or "lips" not in self._names:
+            return
+        self._hollows = hollows
+        self.set_uniform("lids", hollows.lids)
+        self.set_uniform("lips", hollows.lips)
+        if before is None or before.head is not hollows.head:
+            self.set_uniform("head", hollows.head)
 
     def _load(self, shader_filename: str) -> str:
         path = Path(shader_filename)

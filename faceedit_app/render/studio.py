@@ -112,6 +112,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         if model.move(vertices):  # the head has turned
             self._kept.forget()
             self._looked = self._prepared = None
+        self._renderer.hollows = model.hollows
         model.tint(tint)
         view = shown = View(camera, (width, height))
         if fine and samples and 4 * width * height <= _FINE:

@@ -26,6 +26,9 @@ class Shading(Enum):
     THIN = "THIN"
 
 
+SHEER = (Shading.HAIR, Shading.THIN)  # what can be sheer: it is drawn after what it covers
+
+
 @dataclass(frozen=True)
 class Look:
     """How a kind of surface reflects light.
@@ -102,7 +105,9 @@ class Group:
         shading: the variant.
         texture: which of the rig's textures it has, if one.
         cutoff: pixels with less alpha are not drawn; 0 draws all.
-        still, moving: (F', 3) int32, the faces that no blendshape changes, and the others.
+        sheer: whether one can see through some of it, by the alpha of its vertices.
+        still, moving: (F', 3) int32, the faces that look the same whatever the face does, and the
+            others.
     """
 
     shading: Shading
@@ -110,22 +115,32 @@ class Group:
     moving: NDArray[np.int32]
     texture: int | None = None
     cutoff: float = 0.0
+    sheer: bool = False
 
 
 def by_shading(rig: Rig) -> list[Group]:
     """The faces of each variant of the shader and each texture, in drawing order."""
-    runs: dict[tuple[Shading, int | None, float], list[NDArray[np.int32]]] = {}
+    runs: dict[tuple[Shading, bool, int | None, float], list[NDArray[np.int32]]] = {}
     order = {shading: place for place, shading in enumerate(Shading)}
+    through = rig.colors[:, 3] < 1.0
     for material in sorted(rig.materials, key=lambda m: (order[look_of(m).shading], m.cutoff)):
-        kind = look_of(material).shading, material.texture, material.cutoff
-        runs.setdefault(kind, []).append(rig.faces[material.start : material.stop])
+        shading = look_of(material).shading
+        faces = rig.faces[material.start : material.stop]
+        can_be_sheer = shading in SHEER and material.texture is None
+        sheer = through[faces].any(axis=1) & can_be_sheer
+        for part, is_sheer in ((faces[~sheer], False), (faces[sheer], True)):
+            if len(part):
+                kind = shading, is_sheer, material.texture, material.cutoff
+                runs.setdefault(kind, []).append(part)
     alive = _alive(rig)
     groups = []
-    for (shading, texture, cutoff), parts in runs.items():
+    for (shading, is_sheer, texture, cutoff), parts in runs.items():
         faces = np.concatenate(parts)
-        moving = alive[faces].any(axis=1)
+        # What is wet is shaded by lids and lips, also where it stays; and what shows through
+        # something has to be drawn before it.
+        moving = alive[faces].any(axis=1) | (shading is Shading.WET) | is_sheer
         still, others = _in_a_row(faces[~moving]), _in_a_row(faces[moving])
-        groups.append(Group(shading, still, others, texture, cutoff))
+        groups.append(Group(shading, still, others, texture, cutoff, is_sheer))
     return groups
 
 

@@ -16,8 +16,10 @@ from faceedit_app.core.rig import MILLIMETRES, Rig
 from faceedit_app.render import Camera
 from faceedit_app.render.camera import Aim, aimed_camera, default_camera
 from faceedit_app.render.renderer import FaceRenderer
+from faceedit_app.render.surface import Shading, by_shading
 
 SIZE = 240
+SIDES = ("Left", "Right")
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +168,48 @@ def test_what_moves_is_few_vertices(rig: Rig) -> None:
     assert moving.sum() < 7_500
     hair = vertices_of(rig, "hair")
     assert moving[hair].mean() < 0.35
+
+
+def test_an_eyeball_darkens_where_a_lid_comes_near(renderer: FaceRenderer, rig: Rig) -> None:
+    camera = eye_camera(rig)
+    opened = picture(renderer, rig, camera)
+    half = picture(renderer, rig, camera, eyeBlinkLeft=0.5)
+    ball = camera.project(rig.neutral[vertices_of(rig, "sclera", "iris")], SIZE, SIZE)
+    x, y = ball[:, 0].astype(int), ball[:, 1].astype(int)
+    lids = rig.vertices(weights(rig, eyeBlinkLeft=0.5))[rig.control_pairs[CONTROL_INDEX[LIDS[0]]]]
+    (upper, lower), middle = camera.project(lids, SIZE, SIZE)[:, 1], SIZE / 2
+    share = (y - upper) / (lower - upper)
+    near = (np.abs(x - middle) < 0.12 * SIZE) & (share > 0.2) & (share < 0.4)
+    far = (np.abs(x - middle) < 0.12 * SIZE) & (share > 0.6) & (share < 0.8)
+    assert min(near.sum(), far.sum()) > 4
+    darker = [np.median(half[y[at], x[at]] / opened[y[at], x[at]]) for at in (near, far)]
+    assert darker[0] < 0.8 < darker[1]
+
+
+def test_teeth_are_darker_behind_lips_that_have_just_parted(
+    renderer: FaceRenderer, rig: Rig
+) -> None:
+    """The same teeth, which stay where they are; those at the sides lie deeper."""
+    camera, light, seen = aimed_camera(rig, Aim.MOUTH), [], []
+    for share in (0.3, 1.0):
+        shown = {f"mouth{lip}{side}": share for lip in ("UpperUp", "LowerDown") for side in SIDES}
+        light.append(picture(renderer, rig, camera, True, **shown))
+        seen.append(_only(renderer, rig, ("teeth",), **shown))
+    both = np.logical_and(*seen)
+    assert both.sum() > 300
+    assert np.quantile(light[0][both] / light[1][both], 0.25) < 0.92
+
+
+def test_what_one_can_see_through_is_drawn_after_what_it_covers(rig: Rig) -> None:
+    groups = by_shading(rig)
+    sheer = [group for group in groups if group.sheer]
+    assert {group.shading for group in sheer} == {Shading.HAIR, Shading.THIN}
+    for group in groups:
+        through = rig.colors[group.moving, 3].min(axis=1) < 1.0
+        assert through.all() if group.sheer else not through.any()
+    assert not any(len(group.still) for group in sheer), "the skin under it moves"
+    order = [group.shading is Shading.FLESH for group in groups]
+    assert order == sorted(order, reverse=True)
 
 
 def _only(

@@ -132,6 +132,7 @@ class Skin:
     socket_front: float = 0.42
     base_color: str = "6b4a3d"  # of the surface that closes the bust from below
     base_rise: float = 12.0  # of its middle over its border's mean height
+    moves_from: float = 0.1  # mm: what the shapes move less stands still
     under_hair: float = 0.13  # radians above the hairline from which the scalp is dropped
 
 

@@ -38,23 +38,25 @@ class Hair:
     pole: float = 38.0  # elevation of the point at the back towards which the hair is combed
     # Rings of the grid as shares of the way from the hairline to the pole.
     rings: tuple[float, ...] = (
-        *(0, 0.018, 0.04, 0.07, 0.12, 0.19, 0.28),
+        *(0, 0.035, 0.07, 0.12, 0.19, 0.28),
         *(0.4, 0.53, 0.66, 0.79, 0.9),
     )
-    # Thickness over the skull (mm) at shares of that way; it begins under the skin.
+    # Thickness over the skull (mm) at shares of that way.
     thickness: tuple[tuple[float, float], ...] = (
-        (0, -1.2),
-        (0.018, 0.2),
-        (0.04, 1.4),
+        (0, 0.5),
+        (0.035, 1.5),
         (0.07, 3.4),
         (0.12, 6.8),
         (0.19, 9.0),
         (0.7, 9.3),
         (1, 5),
     )
+    # How much it hides of the scalp at shares of that way, 0..1.
+    cover: tuple[tuple[float, float], ...] = ((0, 0.0), (0.035, 0.6), (0.07, 1))
+    cover_span: tuple[float, float] = (84.0, 98.0)  # azimuths beyond which it hides all: from, to
     smoothing: int = 5  # rounds of averaging around the head
     # Scalp that shows between the roots at shares of that way, 0..1.
-    scalp: tuple[tuple[float, float], ...] = ((0, 0.58), (0.018, 0.46), (0.04, 0.24), (0.09, 0))
+    scalp: tuple[tuple[float, float], ...] = ((0, 0.3), (0.035, 0.18), (0.09, 0))
     # Locks: how many waves go around the head, and how high each stands (mm).
     locks: tuple[tuple[int, float], ...] = ((9, 0.7), (14, 0.6), (23, 0.45))
     locks_from: tuple[float, float] = (0.04, 0.3)  # share of the way where they rise
@@ -72,7 +74,7 @@ class Hair:
     bun_shade: float = 0.22
     bun_front: tuple[float, float, float] = (0.64, 1.1, 0.75)  # share of the rows, shades
     # Fine strands that soften the hairline.
-    wisps: int = 320
+    wisps: int = 110
     wisp_length: tuple[float, float] = (5.0, 24.0)
     wisp_width: tuple[float, float] = (0.25, 0.55)
     wisp_before: tuple[float, float] = (-3.0, 6.0)  # how far they root in front of the line
@@ -80,6 +82,7 @@ class Hair:
     wisp_jitter: float = 1.5  # degrees
     wisp_shade: tuple[float, float] = (0.85, 1.45)
     wisp_scalp: tuple[float, float, float] = (0.42, 0.12, 0.0)  # skin in root, middle and tip
+    wisp_cover: tuple[float, ...] = (0.15, 0.75, 0.75, 0.35)  # of root, middle (twice) and tip
     wisp_root_lift: float = 0.2  # over the skin
     # Height of the tips over the skull at a distance behind the hairline.
     wisp_tip_lift: tuple[tuple[float, float], ...] = (
@@ -106,8 +109,7 @@ class Brows:
     inner_end: float = 10.5  # x of the inner end
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
-    strands: int = 132
-    more_strands: int = 68  # that lie between them
+    strands: int = 112
     width: float = 0.42
     scatter: float = 0.02  # along the brow, so that its inner end is no straight line
     widest_at: float = 0.4  # share of a strand
@@ -121,12 +123,29 @@ class Brows:
     root_lift: float = 0.3  # over the skin
     tip_lift: float = 0.8
     # Along the brow (0 inside, 1 outside): angle of the strands, and their length.
-    angles: tuple[tuple[float, float], ...] = ((0, 78), (0.15, 55), (0.5, 18), (1, -22))
-    lengths: tuple[tuple[float, float], ...] = ((0, 3.8), (0.3, 5.4), (1, 4.2))
-    lean: tuple[float, float] = (14.0, -12.0)  # strands of the lower, the upper half
+    angles: tuple[tuple[float, float], ...] = ((0, 74), (0.12, 52), (0.4, 16), (1, -26))
+    lengths: tuple[tuple[float, float], ...] = ((0, 4.2), (0.3, 6.2), (1, 5.0))
+    lean: tuple[float, float] = (11.0, -9.0)  # strands of the lower, the upper half
     angle_spread: float = 6.0
     length_spread: tuple[float, float] = (0.8, 1.15)
     brightness: tuple[float, float] = (0.75, 1.35)
+    cover: tuple[float, ...] = (0.5, 0.95, 0.1)  # of the root, the widest place and the tip
+    # The band of fine hair under them. Along the brow: from, to and in how many columns. Rows:
+    # place across, as a share of half the thickness, and cover. Cover along the brow.
+    down_along: tuple[float, float, int] = (-0.06, 1.02, 13)
+    down_rows: tuple[tuple[float, float], ...] = (
+        *((1.2, 0.0), (0.6, 0.85), (0.0, 1.0)),
+        *((-0.6, 0.85), (-1.2, 0.0)),
+    )
+    down_cover: tuple[tuple[float, float], ...] = (
+        (-0.06, 0),
+        (0.1, 0.5),
+        (0.35, 0.85),
+        (1.02, 0.4),
+    )
+    # Skin that shows through it: where nothing can be sheer, it is a light brow.
+    down_skin: float = 0.3
+    down_lift: float = 0.15  # over the skin
     seed: int = 3
 
 
@@ -156,6 +175,8 @@ class Lashes:
     jitter: float = 0.15  # helper columns
     length_spread: tuple[float, float] = (0.85, 1.1)
     brightness: tuple[float, float] = (0.85, 1.25)  # of a strand, from and to
+    cover: tuple[float, ...] = (1.0, 1.0, 0.9, 0.9, 0.25)  # of root, middle (twice each) and tip
+    line_cover: tuple[float, float] = (0.95, 0.6)  # of the line: at the lid's edge, at the skin
     clumping: float = 0.45  # share of the way by which a tip leans to the middle of its clump
     middle_width: float = 0.42  # share of the width at the root
     bend_at: float = 0.55  # where along the strand the middle lies
@@ -201,7 +222,7 @@ class Eyes:
     shade_tint: tuple[float, float, float] = (0.7, 1.0, 1.08)  # of both: warm
     rings: tuple[Ring, ...] = (
         Ring(0.0, "050505", "pupil"),
-        Ring(4.8, "050505", "pupil"),
+        Ring(5.2, "050505", "pupil"),
         Ring(9.3, "070606", "pupil"),
         Ring(10.8, "4b4a3e", "iris", 0.6),
         Ring(13.0, "7b765d", "iris", 1.0),
@@ -264,6 +285,7 @@ class Teeth:
         (1.0, 0.86, 0.34),
     )
     squareness: tuple[float, float] = (0.52, 0.66)  # exponents of the cross-section: x, z
+    touching: float = 0.9  # walls between corners farther out than this are left out
     color: str = "fbf3e6"
     # Colour of each level of a tooth as a factor: warm at the gum, clear at the edge.
     level_tints: tuple[tuple[float, float, float], ...] = (

@@ -59,8 +59,8 @@ class Colour:
     darkest: float = 0.50  # of the skin and the hair
     darkest_lips: float = 0.80
     shade_tint: tuple[float, float, float] = (0.80, 1.05, 1.12)  # exponents: warm shadows
-    depth_tint: tuple[float, float, float] = (0.75, 1.1, 1.15)  # exponents: dark red
+    depth_tint: tuple[float, float, float] = (0.62, 1.15, 1.25)  # exponents: dark red
     # The mouth darkens with the depth behind the lips: from, to (mm), and how much.
     depth_mouth: tuple[float, float, float] = (16.0, 84.0, 0.72)
-    depth_tongue: tuple[float, float, float] = (26.0, 74.0, 0.62)
-    depth_teeth: tuple[float, float, float] = (18.0, 56.0, 0.60)
+    depth_tongue: tuple[float, float, float] = (20.0, 66.0, 0.80)
+    depth_teeth: tuple[float, float, float] = (21.0, 48.0, 0.66)

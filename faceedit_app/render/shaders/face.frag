@@ -22,6 +22,27 @@ vec3 textured() {
 }
 #endif
 
+#ifdef HAIR
+in vec3 strand;
+in float around;
+#include "strands.glsl"
+#endif
+#ifdef SHEER
+in float cover; // how much it hides of what is behind it, 0..1
+#endif
+
+float opacity() {
+#if defined(SHEER) && defined(HAIR)
+    // Where hair begins, single strands show first.
+    float thin = 0.55 * strands(around);
+    return smoothstep(thin, thin + 0.45, cover);
+#elif defined(SHEER)
+    return cover;
+#else
+    return 1.0;
+#endif
+}
+
 #if defined(QUICK) && defined(TEXTURED)
 in vec3 light;
 in vec3 added;
@@ -35,7 +56,7 @@ void main() {
 in vec3 shown;
 
 void main() {
-    pixel = vec4(shown.bgr, 1.0);
+    pixel = vec4(shown.bgr, opacity());
 }
 #else
 in vec3 towards_camera;
@@ -44,10 +65,6 @@ in vec2 sky;
 in vec3 surface;
 #ifndef TEXTURED
 in vec3 albedo;
-#endif
-#ifdef HAIR
-in vec3 strand;
-in float around;
 #endif
 
 #include "light.glsl"
@@ -60,6 +77,10 @@ void main() {
 #ifdef TEXTURED
     vec3 albedo = textured();
 #endif
-    pixel = vec4(lit(towards_camera, normal, sky, surface, albedo).bgr, 1.0);
+    vec2 above = sky;
+#ifdef WET
+    above.y *= gl_FrontFacing ? 1.0 : 0.3; // the backs of the teeth
+#endif
+    pixel = vec4(lit(towards_camera, normal, above, surface, albedo).bgr, opacity());
 }
 #endif

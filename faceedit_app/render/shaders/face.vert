@@ -13,6 +13,11 @@ layout(location = 3) in vec4 colour;
 uniform mat4 clip_from_world;
 uniform mat4 camera_from_world;
 
+#ifdef HAIR
+out vec3 strand;
+out float around;
+#include "strands.glsl"
+#endif
 #ifdef TEXTURED
 out vec2 uv;
 out vec4 tint;
@@ -35,11 +40,12 @@ out vec3 surface; // roughness, flesh, wet
 out vec3 albedo;
 #endif
 #endif
-#ifdef HAIR
-out vec3 strand;
-out float around;
+#ifdef SHEER
+out float cover;
 #endif
-
+#ifdef WET
+#include "hollows.glsl"
+#endif
 #ifdef HAIR
 const vec3 COMB_TO = vec3(0.0, 0.616, -0.788);
 const vec3 COMB_UP = vec3(0.0, 0.788, 0.616);
@@ -50,6 +56,12 @@ void main() {
     gl_Position = clip_from_world * vec4(position, 1.0);
     mat3 turn = mat3(camera_from_world);
     vec3 view = -normalize((camera_from_world * vec4(position, 1.0)).xyz);
+#ifdef HAIR
+    // Hair is combed to the back of the head, along the surface.
+    strand = turn * normalize(COMB_TO - normal * dot(COMB_TO, normal) + 1e-4);
+    vec3 place_on_head = position - COMB_CENTRE;
+    around = atan(place_on_head.x, dot(place_on_head, COMB_UP));
+#endif
 #ifdef TEXTURED
     uv = place;
     tint = colour;
@@ -63,15 +75,15 @@ void main() {
     towards_camera = view;
     camera_normal = turn * normal;
     sky = vec2(normal.y, look.w);
+#ifdef WET
+    sky.y *= look.z > 0.9 ? between_lids(position) : between_lips(position); // eyes are wettest
+#endif
     surface = look.xyz;
 #ifndef TEXTURED
     albedo = colour.rgb;
 #endif
 #endif
-#ifdef HAIR
-    // Hair is combed to the back of the head, along the surface.
-    strand = turn * normalize(COMB_TO - normal * dot(COMB_TO, normal) + 1e-4);
-    vec3 place_on_head = position - COMB_CENTRE;
-    around = atan(place_on_head.x, dot(place_on_head, COMB_UP));
+#ifdef SHEER
+    cover = colour.a;
 #endif
 }

@@ -18,7 +18,11 @@ const vec3 SKY = vec3(0.92, 0.93, 1.00) * 0.26;
 const vec3 FLOOR = vec3(1.00, 0.72, 0.58) * 0.18;
 
 // Light that travels through flesh: red reaches farthest around the edge of a shadow.
-const vec3 SCATTER = vec3(0.42, 0.16, 0.09);
+const vec3 SCATTER = vec3(0.36, 0.20, 0.13);
+
+// What is left of sky and floor where nothing arrives; among flesh, that has been through it.
+const vec3 LEAST = vec3(0.36, 0.29, 0.26);
+const vec3 LEAST_IN_FLESH = vec3(0.34, 0.15, 0.12);
 
 vec3 lambert(float facing, vec3 wrap) {
     return max((facing + wrap) / ((1.0 + wrap) * (1.0 + wrap)), 0.0);
@@ -39,17 +43,6 @@ vec3 srgb(vec3 linear) {
     return 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * linear;
 }
 
-#ifdef HAIR
-// 0..1, uneven from strand to strand: noise of two sizes over the angle around the head.
-float strands(float angle) {
-    vec2 at = angle * vec2(46.0, 121.0) + 600.0;
-    vec2 cell = floor(at);
-    vec2 low = fract(cell * fract(cell * 0.1031 + 0.31));
-    vec2 high = fract((cell + 1.0) * fract((cell + 1.0) * 0.1031 + 0.31));
-    return dot(mix(low, high, at - cell), vec2(0.55, 0.45));
-}
-#endif
-
 // The light that falls on a point, and what it sends back whatever its colour is. `sky`: how far
 // the normal points up, -1..1, and light that arrives from above; `surface`: roughness, flesh, wet.
 // Hair reads `strand`, `around` and `albedo` too.
@@ -67,7 +60,12 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
     float fresnel = edge * edge * edge;
     vec3 back = RIM * (max(dot(normal, RIM_FROM) + 0.25, 0.0) * fresnel);
 
-    light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (vec3(0.36, 0.29, 0.26) + 0.7 * arriving);
+#ifdef WET
+    vec3 least = mix(LEAST, LEAST_IN_FLESH, flesh * (1.0 - sky.y));
+#else
+    const vec3 least = LEAST;
+#endif
+    light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (least + 0.7 * arriving);
     light += KEY * lambert(key_facing, wrap) * arriving;
 #ifdef WET
     back *= sky.y; // in the mouth, neither of them arrives
