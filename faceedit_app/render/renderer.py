@@ -32,6 +32,8 @@ class FaceRenderer:
     Attributes:
         rig: the character.
         fine: whether small smooth images get more samples, which takes longer.
+        doubled: whether images that are not smooth are drawn at twice their width and height, which
+            makes edges smoother.
 
     Raises:
         Unavailable: this computer offers no OpenGL.
@@ -45,7 +47,7 @@ class FaceRenderer:
         background: tuple[float, float, float] = SLATE,
     ) -> None:
         self.rig = rig
-        self.fine = True
+        self.fine, self.doubled = True, False
         self._studio: Any = None
         self._image: Pixels = _image(width, height)
         backend = contexts.choose_backend()
@@ -89,7 +91,7 @@ class FaceRenderer:
 
         height, width = self._image.shape[:2]
         samples = SAMPLES if smooth else 0
-        self._studio.begin(vertices, camera, width, height, samples, tint, self.fine)
+        self._studio.begin(vertices, camera, width, height, samples, tint, self.fine, self.doubled)
 
     def finish(self) -> Pixels:
         """Wait for the image that was begun last, at its size.
@@ -110,7 +112,7 @@ class FaceRenderer:
         Call it after `finish`. It is optional: without it, the next picture takes a little longer.
         """
         if self._studio is not None:
-            self._studio.prepare()
+            self._studio.prepare(self.doubled)
 
     def release(self) -> None:
         """Let another thread use it, if `contexts.may_change_threads`."""

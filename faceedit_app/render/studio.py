@@ -29,7 +29,8 @@ from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import StillParts, Target, Targets, View
 
 SAMPLES = 4
-_FINE = 1_200_000  # pixels, up to which fine pictures are drawn at twice their width and height
+_FINE = 1_200_000  # pixels, up to which fine pictures are drawn at twice their width and height,
+_DOUBLED = 4_000_000  # and doubled ones
 _DEPTH_SIZE = 320  # pixels of the depth images for the baked shade
 _UPSIDE_DOWN = np.diag([1.0, -1.0, 1.0, 1.0])  # so that the top row is read first
 
@@ -96,6 +97,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         samples: int,
         tint: Floats | None = None,
         fine: bool = False,
+        doubled: bool = False,
     ) -> None:
         """Start drawing `vertices`; returns before the graphics card is done.
 
@@ -106,6 +108,7 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
             samples: samples per pixel; 0 means one, with a faster light.
             tint: (V,) in 0..1; None = no tint.
             fine: draw it at twice its width and height, if it has samples and is small.
+            doubled: the same for one without samples, if it is not huge.
         """
         self._platform.make_current()
         model = self._model
@@ -115,13 +118,15 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._renderer.hollows = model.hollows
         model.tint(tint)
         view = shown = View(camera, (width, height))
-        if fine and samples and 4 * width * height <= _FINE:
-            # In a small picture, lashes and brows are narrower than its samples are apart.
+        # In a small picture, lashes and brows are narrower than its samples are apart.
+        if samples and fine and 4 * width * height <= _FINE:
             shown = View(camera, (2 * width, 2 * height))
         target = self._targets.of(shown.size, samples)
+        if not samples:
+            target, shown = self._quick(view, doubled)
         # While the camera turns, keeping the still parts would cost more than it saves.
         if tint is None and (samples or view == self._looked):
-            if samples or view != self._prepared:
+            if samples or shown != self._prepared:
                 self._kept.copy_to(target, shown)
             self._draw(target, shown, model.moving, upon=True)
         else:
@@ -129,28 +134,36 @@ class Studio(OffscreenRenderer):  # type: ignore[misc]  # pyrender has no types
         self._looked, self._prepared = view if tint is None else None, None
         self._drawn = target
 
+    def _quick(self, view: View, doubled: bool) -> tuple[Target, View]:
+        """What a picture without samples is drawn into, and how large."""
+        width, height = view.size
+        if not doubled or 4 * width * height > _DOUBLED:
+            return self._targets.of(view.size, 0), view
+        larger = View(view.camera, (2 * width, 2 * height))
+        return self._fine.of(larger.size, 0), larger
+
     def finish(self, out: Pixels) -> None:
         """Wait for the picture, and write it to `out` (height, width, 4), BGRA, top row first."""
         self._platform.make_current()
         target, size = self._drawn, (out.shape[1], out.shape[0])
-        if target.size != size:
+        if target.size != size and target.samples:
             target = self._fine.of(target.size, 0)
             self._drawn.copy_to(target)
-        if target is not self._drawn or target.samples:
+        if target.size != size or target.samples:
             drawn, target = target, self._targets.of(size, 0)
             drawn.copy_to(target)
         target.read_colors(out)  # the shaders write blue first
 
-    def prepare(self) -> None:
+    def prepare(self, doubled: bool = False) -> None:
         """Prepare the next quick picture, between pictures."""
-        view = self._looked
-        if view is None or self._prepared:
+        if self._looked is None or self._prepared:
             return
+        self._platform.make_current()
+        target, shown = self._quick(self._looked, doubled)
         # A quick picture from a new place may be one of many while the camera turns.
-        if self._drawn.samples or self._kept.has(view, 0):
-            self._platform.make_current()
-            self._kept.copy_to(self._targets.of(view.size, 0), view)
-            self._prepared = view
+        if self._drawn.samples or self._kept.has(shown, 0):
+            self._kept.copy_to(target, shown)
+            self._prepared = shown
 
     def release(self) -> None:
         """Let another thread use it, if `contexts.may_change_threads`."""

@@ -162,6 +162,19 @@ def test_brows_and_lashes_of_a_small_picture_at_rest_look_as_in_a_large_one(
     assert off[True] < 0.6 * off[False]
 
 
+def test_a_doubled_picture_in_playback_is_nearer_to_one_at_rest(
+    renderer: FaceRenderer, rig: Rig
+) -> None:
+    camera, off = default_camera(rig), {}
+    rest = picture(renderer, rig, camera, jawOpen=0.2)
+    for renderer.doubled in (False, True, False):
+        for jaw in (0.0, 0.1, 0.2):  # what stays still is kept from the first on
+            played = picture(renderer, rig, camera, False, jawOpen=jaw)
+            renderer.prepare()
+        off[renderer.doubled] = np.abs(played - rest).mean()
+    assert off[True] < 0.6 * off[False]
+
+
 def test_what_moves_is_few_vertices(rig: Rig) -> None:
     """Their normals are computed, and they are uploaded, for each picture."""
     moving = np.any(rig.deltas, axis=(0, 2))

@@ -105,6 +105,21 @@ def test_playback_tries_smooth_pictures_and_goes_on_with_rough_ones_if_they_are_
     assert not quality.is_smooth
 
 
+def test_rough_pictures_of_playback_are_doubled_unless_that_is_slow() -> None:
+    quality, frame = Quality(), PLAYED / 30.0
+    assert not quality.is_doubled, "a drag has no time for it"
+    quality.play(60.0)
+    assert not quality.is_doubled
+    quality.play(30.0)
+    for took, after in ((5.0, True), (0.9, True), (1.1, True), (1.1, True), (1.1, False)):
+        quality.drew(took * frame, smooth=False, doubled=True)
+        assert quality.is_doubled is after, took
+    quality.play(30.0)
+    assert quality.is_doubled
+    quality.rest()
+    assert not quality.is_doubled
+
+
 def test_the_viewport_knows_when_it_is_played(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

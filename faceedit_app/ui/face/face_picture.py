@@ -119,12 +119,13 @@ class FacePicture:
         chosen = places if vertices is None else places[list(vertices)]
         return self.camera.project(chosen, width, height)
 
-    def begin(self, size: Size) -> None:
+    def begin(self, size: Size, doubled: bool = False) -> None:
         """Start a rough picture of one face while other work goes on; `draw` finishes it."""
         if self._renderer is None or self._rig is None or self.is_pair:
             return
         with _errors_left_to_draw():
             self._renderer.resize(*size)
+            self._renderer.doubled = doubled
             vertices, tint = self._first(self._rig)
             self._renderer.begin(vertices, self.camera, smooth=False, tint=tint)
             self._begun = True
@@ -133,17 +134,18 @@ class FacePicture:
         """Discard a picture that was begun, because it is out of date."""
         self._begun = False
 
-    def draw(self, size: Size, smooth: bool, fine: bool = True) -> None:
+    def draw(self, size: Size, smooth: bool, fine: bool = True, doubled: bool = False) -> None:
         """Draw `image`. Drivers and PyOpenGL raise all kinds of errors.
 
         Args:
             size: width and height.
             smooth: with smooth edges, which is slower.
             fine: with more samples in a small picture, which is slower still.
+            doubled: if it is rough, with edges that are nearly smooth.
         """
         if self._renderer is None or self._rig is None:
             return
-        self._renderer.fine = fine
+        self._renderer.fine, self._renderer.doubled = fine, doubled
         self._pixels = self._faces(self._renderer, self._rig, size, smooth)
         self.image = _image_of(self._pixels)
 

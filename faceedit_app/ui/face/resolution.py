@@ -1,6 +1,8 @@
 """How pictures are drawn while something moves: smooth where that is fast enough, else rough.
 
-On slow computers, rough pictures have a lower resolution too, so that drags stay fluent.
+In playback that leaves time for it, rough ones are drawn at twice their size, so that brows, lashes
+and hair do not flicker. On slow computers, rough pictures have a lower resolution, so that drags
+stay fluent.
 """
 
 from __future__ import annotations
@@ -21,20 +23,22 @@ class Quality:
     """Chooses between smooth and rough pictures by how long smooth ones took.
 
     A computer with a graphics card draws smooth ones only. Playback tries a few; if all are too
-    slow, pictures are rough until the next rest, so that edges do not flicker.
+    slow, pictures are rough until the next rest, so that edges do not flicker. The first few of
+    those are doubled; if all are too slow, the others are not.
     """
 
     def __init__(self) -> None:
         self._patience, self._tries = DRAGGED, False
         self._share = 1.0
         self._recent: deque[float] = deque(maxlen=_TRIES)  # seconds of smooth pictures
+        self._doubled: deque[float] = deque(maxlen=_TRIES)  # and of doubled ones
 
     def play(self, rate: float) -> None:
         """Pictures change `rate` times a second from now on, and nobody waits for them."""
         self._tries = rate <= _UNHURRIED
         self._patience = PLAYED / rate if self._tries else DRAGGED
         if self._tries:
-            self._recent.clear()
+            self.forget()
 
     def rest(self) -> None:
         """Pictures change as the user drags."""
@@ -52,14 +56,24 @@ class Quality:
         """Whether smooth pictures have to be ready for the next frame of playback."""
         return self._tries
 
+    @property
+    def is_doubled(self) -> bool:
+        """Whether the next picture, if it is rough, is drawn at twice its width and height."""
+        if not self._tries or len(self._doubled) < _TRIES:
+            return self._tries
+        return min(self._doubled) <= self._patience
+
     def forget(self) -> None:
         """The size has changed: how long a smooth picture takes is not known."""
         self._recent.clear()
+        self._doubled.clear()
 
-    def drew(self, seconds: float, smooth: bool) -> None:
+    def drew(self, seconds: float, smooth: bool, doubled: bool = False) -> None:
         """Learn from a picture that took this long."""
         if smooth:
             self._recent.append(seconds)
+        elif doubled:
+            self._doubled.append(seconds)
         elif seconds > _BUDGET:
             self._share = max(self._share * 0.8, _COARSEST)
         elif seconds < _BUDGET / 3:

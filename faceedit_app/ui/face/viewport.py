@@ -170,7 +170,7 @@ class Viewport(QWidget):
     def hurry(self) -> None:
         """Draw the picture while the rest of the window is painted, not after it."""
         if self._stale and not self._smooth and self.isVisible():
-            self._picture.begin(self._picture_size())
+            self._picture.begin(self._picture_size(), self.quality.is_doubled)
 
     def close_renderer(self) -> None:
         """Free the graphics memory."""
@@ -232,9 +232,9 @@ class Viewport(QWidget):
     def _draw(self) -> None:
         if not self.can_draw:
             return
-        began, fine = time.perf_counter(), not self.quality.is_hurried
+        began, size, quality = time.perf_counter(), self._picture_size(), self.quality
         try:
-            self._picture.draw(self._picture_size(), self._smooth, fine)
+            self._picture.draw(size, self._smooth, not quality.is_hurried, quality.is_doubled)
         except Exception as error:  # drivers and PyOpenGL raise all kinds
             logging.getLogger("faceedit").warning("drawing failed", exc_info=True)
             self.close_renderer()
@@ -244,7 +244,7 @@ class Viewport(QWidget):
         self._stale = False
         self.draws += 1
         self.drawn.emit()
-        self.quality.drew(time.perf_counter() - began, self._smooth)
+        quality.drew(time.perf_counter() - began, self._smooth, quality.is_doubled)
         self._spare.start()
 
     def _refine(self) -> None:
