@@ -13,7 +13,7 @@ import typer
 from faceedit_app.command_line.opening import rig_of
 from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import check_folder, check_outputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -73,9 +73,9 @@ def seal(
     """
     from faceedit_app.editing.opening import load_engine, shipped_rig
 
+    _check_output(output, takes)
     theirs, ours = rig_of(file), shipped_rig()
     covariances = _covariances(load_engine(ours, models))
-    _check_output(output, takes)
     facts = {"character": str(file), **_closed(ours, theirs, covariances, takes, output)}
     say(json.dumps(facts, indent=2) if as_json else _seal_text(facts))
 
@@ -160,7 +160,7 @@ def make(
     for part in left_out:
         if part not in PARTS:
             raise FaceEditError(f"--without {part[:40]}: must be {', '.join(PARTS)}")
-    keep_inputs([output], [scan, points, landmarker])
+    check_outputs([output], [scan, points, landmarker])
     template, head = Template.of(shipped_rig()), read_scan(scan)
     if points is not None:
         landmarks = template.landmarks(read_points(points))
@@ -195,6 +195,7 @@ def _check_output(output: Path | None, takes: Iterable[Path]) -> None:
         return
     if not on_disk.is_folder(output):
         raise FaceEditError(f"--output {output}: is not a folder; create it first")
+    check_folder(output)
     names: set[str] = set()
     for path in takes:
         if on_disk.exists(output / path.name) or path.name in names:

@@ -12,7 +12,7 @@ import typer
 from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.command_line.progress import bar
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_inputs, write_atomically
+from faceedit_app.core.atomic import check_folder, check_outputs, write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.optional import require
 from faceedit_app.core.resources import shipped
@@ -76,6 +76,7 @@ def train(
         raise FaceEditError("train needs takes to learn from: --data DIR")
     if models is not None and not finetune:
         raise FaceEditError("--models says where --finetune starts: give both or neither")
+    check_folder(output)
     plan = TrainingPlan(
         tuple(folders),
         output,
@@ -131,7 +132,9 @@ def evaluate(
     from faceedit_app.lab.evaluation.report import summary_lines, write_report
     from faceedit_app.lab.training.data import load_performances
 
-    keep_inputs([output], [path for path in takes if on_disk.is_file(path)])
+    check_outputs([output], [path for path in takes if on_disk.is_file(path)])
+    if report is not None:
+        check_folder(report)
     performances = load_performances(takes, exclude or ())
     with bar("Evaluating") as advance:
         figures = evaluate_takes(
@@ -178,7 +181,7 @@ def evaluate_words(
     from faceedit_app.editing.opening import load_engine, shipped_rig
     from faceedit_app.lab.evaluation import words as evaluation
 
-    keep_inputs([output], [*takes, words])
+    check_outputs([output], [*takes, words])
     figures = evaluation.evaluate_words(takes, words, load_engine(shipped_rig(), models))
     text = evaluation.report(figures)
     if output is not None:
@@ -212,7 +215,7 @@ def evaluate_tracking(
     from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
-    keep_inputs([output], [*(path for path in takes if on_disk.is_file(path)), *(character or ())])
+    check_outputs([output], [*(path for path in takes if on_disk.is_file(path)), *(character or ())])
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
     known = {how.name: how for how in CONDITIONS}
     for name in films or ():
@@ -251,6 +254,7 @@ def experiment(
 ) -> None:
     """Repeat the paper's experiments and ours; each writes its part of the report."""
     require("torch", extra="training")
+    check_folder(output)
     from rich.console import Console
     from rich.progress import Progress
 
@@ -278,6 +282,7 @@ def synthesize(
     """Write synthetic performances, spoken and acted, to train on."""
     from faceedit_app.lab.training.synthesis import write_performances
 
+    check_folder(output)
     with bar("Synthesizing") as advance:
         paths = write_performances(
             output,

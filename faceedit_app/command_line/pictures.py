@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
 
@@ -17,7 +18,7 @@ from faceedit_app.command_line.options import (
     TakeArgument,
 )
 from faceedit_app.command_line.progress import bar
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import check_folder, check_outputs, keep_inputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 
@@ -26,38 +27,51 @@ if TYPE_CHECKING:
     from faceedit_app.editing.session import EditSession
 
 
+# typer reads annotations at run time, so they stay in the old form.
+_OutputOption = Annotated[
+    Path, typer.Option("-o", "--output", help="A picture (.png), or a film (.mp4, .webm).")
+]
+_TimeOption = Annotated[
+    float, typer.Option(help="For a picture: seconds from the first frame of the take.")
+]
+_SizeOption = Annotated[str, typer.Option(metavar="WxH", help="Pixels.")]
+_ViewOption = Annotated[
+    str,
+    typer.Option(
+        help="For a film: face, both (tracked, edited), film (beside the face), film-above or "
+        "film-below."
+    ),
+]
+_FilmFpsOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option("--film-fps", help="Pictures per second of the film; default: the take's."),
+]
+_FormatOption = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--format", help="mp4, webm, or png (numbered pictures in a folder)."),
+]
+_SoundOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="For a film: its sound; default: what is found beside the take."),
+]
+_FilmOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="The film of the take; default: what is found beside it."),
+]
+_SilentOption = Annotated[bool, typer.Option("--silent", help="A film without sound.")]
+
+
 def render(
     take: TakeArgument,
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", help="A picture (.png), or a film (.mp4, .webm)."),
-    ],
-    time: Annotated[float, typer.Option(help="For a picture: seconds from the first frame.")] = 0.0,
-    size: Annotated[str, typer.Option(metavar="WxH", help="Pixels.")] = "800x800",
-    view: Annotated[
-        str,
-        typer.Option(
-            help="For a film: face, both (tracked, edited), film (beside the face), film-above or "
-            "film-below."
-        ),
-    ] = "face",
-    film_fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--film-fps", help="Pictures per second of the film; default: the take's."),
-    ] = None,
-    form: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option("--format", help="mp4, webm, or png (numbered pictures in a folder)."),
-    ] = None,
-    sound: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="For a film: its sound; default: what is found beside the take."),
-    ] = None,
-    film: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="The film of the take; default: what is found beside it."),
-    ] = None,
-    silent: Annotated[bool, typer.Option("--silent", help="A film without sound.")] = False,
+    output: _OutputOption,
+    time: _TimeOption = 0.0,
+    size: _SizeOption = "800x800",
+    view: _ViewOption = "face",
+    film_fps: _FilmFpsOption = None,
+    form: _FormatOption = None,
+    sound: _SoundOption = None,
+    film: _FilmOption = None,
+    silent: _SilentOption = False,
     edits: EditsOption = None,
     character: CharacterOption = None,
     follow_head: FollowHeadOption = False,
@@ -67,33 +81,61 @@ def render(
     """Draw the face at a time of a take, or film the whole take."""
     from faceedit_app.media import beside
 
-    width, height = _size(size)
-    if form is None and output.suffix.lower() not in ("", ".png", ".mp4", ".webm"):
-        raise FaceEditError(
-            f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
-        )
     heard, seen = beside(take.absolute())
-    media = sound or heard, film or seen
-    keep_inputs([output], [take, *media, edits, character, models])
+    shot = _shot(output, form, view, size, film_fps, not silent, follow_head)
+    _check_output(output, shot, (take, sound or heard, film or seen, edits, character, models))
     session = edited_session(take, fps, edits, models, character)
     duration = session.take.clip.duration
     if not 0 <= time <= duration:
         raise FaceEditError(f"--time {time:g}: {take} lasts from 0 to {duration:.3f} seconds")
+    if shot is None:
+        _draw(session, output, time, _size(size), follow_head)
+    else:
+        _film(session, output, shot, sound, film)
+
+
+def _shot(
+    output: Path,
+    form: str | None,
+    view: str,
+    size: str,
+    rate: float | None,
+    has_sound: bool,
+    follows_head: bool,
+) -> Shot | None:
+    """How to film what the options say, without reading the take; None for a picture.
+
+    Raises:
+        FaceEditError: one of the options is wrong.
+    """
+    if form is None and output.suffix.lower() not in ("", ".png", ".mp4", ".webm"):
+        raise FaceEditError(
+            f"{output}: must end in .png for a picture, or in .mp4 or .webm for a film"
+        )
+    pixels = _size(size)
     if form is None and output.suffix.lower() == ".png":
-        _draw(session, output, time, (width, height), follow_head)
-        return
+        return None
     from faceedit_app.editing.filming import Shot
     from faceedit_app.formats.opening import checked_rate
 
-    shot = Shot(
-        _view(view),
-        (width, height),
-        None if film_fps is None else checked_rate(output, film_fps),
-        form,
-        has_sound=not silent,
-        follows_head=follow_head,
-    )
-    _film(session, output, shot, sound, film)
+    rate = None if rate is None else checked_rate(output, rate)
+    return Shot(_view(view), pixels, rate, form, has_sound=has_sound, follows_head=follows_head)
+
+
+def _check_output(output: Path, shot: Shot | None, read: Iterable[Path | None]) -> None:
+    """Check that the picture, the film or the folder of pictures can be written.
+
+    Raises:
+        FaceEditError: it cannot, or there is no such format.
+    """
+    if shot is not None:
+        from faceedit_app.media.film_writer import film_format
+
+        if not film_format(output, shot.form).ending:  # pictures in a folder
+            keep_inputs([output], read)
+            check_folder(output)
+            return
+    check_outputs([output], read)
 
 
 def _size(text: str) -> tuple[int, int]:

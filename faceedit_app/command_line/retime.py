@@ -19,7 +19,7 @@ from faceedit_app.command_line.options import (
     TakeArgument,
 )
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import check_writable, keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -95,6 +95,7 @@ def retime(
     grid = output.with_suffix(".TextGrid")
     targets = (output, *(output.with_suffix(ending) for ending in (".TextGrid", ".wav", ".mp4")))
     keep_inputs(targets, [take, edits, words, sound, film, models])
+    check_writable(output)  # the others go beside it
     said = None if words is None else _timed_words(words, grid, overwrite)
     session = edited_session(take, fps, edits, models, None)
     media = media_of(session.take, sound, film)

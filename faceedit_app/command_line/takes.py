@@ -22,7 +22,7 @@ from faceedit_app.command_line.options import (
     TakeFpsOption,
 )
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import check_outputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 from faceedit_app.media import FILM_ENDINGS
@@ -75,7 +75,9 @@ def apply(
 
     settings = _settings(mode, naturalness, reach)
     _check_edits(edits)
-    keep_inputs([output], [edits, character, models])
+    if output.suffix.lower() in FILM_ENDINGS:
+        raise FaceEditError(f"{output}: is the name of a film; use faceedit render for one")
+    check_outputs([output], [edits, character, models])
     rig = shipped_rig()
     engine = load_engine(rig, models)
     session = open_session(take, rig, engine, fps)
@@ -133,8 +135,6 @@ def _export(
     from faceedit_app.editing import exporting
 
     take = session.take
-    if output.suffix.lower() in FILM_ENDINGS:
-        raise FaceEditError(f"{output}: is the name of a film; use faceedit render for one")
     form = exporting.by_ending(output, take)
     if form is None:
         backup = session.export(output, overwrite)
@@ -179,7 +179,7 @@ def convert(
     from faceedit_app.formats.opening import checked_rate
     from faceedit_app.formats.timing import format_rate
 
-    keep_inputs([output], [character])
+    check_outputs([output], [character])
     if fps is not None:
         fps = checked_rate(output, fps)
     if form is not None or output.suffix.lower() != take.suffix.lower():

@@ -17,7 +17,7 @@ from faceedit_app.command_line.options import (
     ModelsOption,
     OverwriteOption,
 )
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import check_outputs, keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
 
@@ -107,14 +107,12 @@ def words(
     _check_said(text, file)
     _check_written(output, fix, retime_to)
     _check_theirs(retime_to, their_text, their_start)
-    keep_inputs([save, output], _read(source, file, retime_to, character, models))
-    keep_inputs([save], [source])
+    check_outputs([save, output], _read(source, file, retime_to, character, models))
+    _check_kinds(source, save, output, overwrite)
     said = read_words(file) if file is not None else Imported((TextLine(text or ""),))
     spellings = _spellings(sounds_like or [])
     more: dict[str, Any] = {"closures": []}
     if is_media(source):
-        if output is not None:
-            raise FaceEditError(f"{source}: is a sound; --fix and --retime-to need a take")
         transcript, seconds = _words_of_sound(source, said, spellings)
         offset = 0.0
     else:
@@ -171,6 +169,21 @@ def _check_written(output: Path | None, fix: bool, retime_to: Path | None) -> No
         )
     if output is None and changes:
         raise FaceEditError("--fix and --retime-to change the take: say with -o where to write it")
+
+
+def _check_kinds(source: Path, save: Path | None, output: Path | None, overwrite: bool) -> None:
+    """Check that what is written is no recording, and has an ending for words."""
+    from faceedit_app.editing.files.originals import is_replaced
+    from faceedit_app.media import is_media
+    from faceedit_app.words.files import writer_for
+
+    keep_inputs([save], [source])
+    if save is not None:
+        writer_for(save)
+    if output is not None:
+        if is_media(source):
+            raise FaceEditError(f"{source}: is a sound; --fix and --retime-to need a take")
+        is_replaced(output, source, overwrite)
 
 
 def _check_theirs(retime_to: Path | None, text: str | None, start: float | None) -> None:

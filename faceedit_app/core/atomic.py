@@ -201,6 +201,25 @@ def keep_inputs(
                 raise FileError(path, problem, remedy)
 
 
+def check_outputs(
+    written: Iterable[Path | None],
+    read: Iterable[Path | None],
+    remedy: str = "choose another name for the new file",
+) -> None:
+    """Check files before the work whose results they will hold.
+
+    Args:
+        written, read, remedy: as of `keep_inputs`.
+
+    Raises:
+        FileError: one of them is read as well, or cannot be written.
+    """
+    files = [path for path in written if path is not None]
+    keep_inputs(files, read, remedy)
+    for path in files:
+        check_writable(path)
+
+
 def is_same_file(one: Path, other: Path) -> bool:
     """Whether two paths name the same file, or would if it existed."""
     try:

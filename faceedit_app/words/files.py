@@ -57,6 +57,15 @@ def write_words(path: Path, transcript: Transcript, seconds: float) -> None:
     Raises:
         FileError: the ending is another, or the file cannot be written.
     """
+    write_atomically(path, writer_for(path)(transcript, seconds))
+
+
+def writer_for(path: Path) -> Callable[[Transcript, float], bytes]:
+    """What makes a file's content of words and the length of their sound, by the file's ending.
+
+    Raises:
+        FileError: it is not an ending for words.
+    """
     writers: dict[str, Callable[[Transcript, float], bytes]] = {
         ".textgrid": textgrids.content,
         ".srt": subtitles.content,
@@ -65,7 +74,7 @@ def write_words(path: Path, transcript: Transcript, seconds: float) -> None:
     writer = writers.get(path.suffix.lower())
     if writer is None:
         raise FileError(path, "has no ending for words", f"choose {', '.join(WRITE_ENDINGS)}")
-    write_atomically(path, writer(transcript, seconds))
+    return writer
 
 
 def as_tables(transcript: Transcript) -> dict[str, Any]:

@@ -61,6 +61,18 @@ def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
     return ""
 
 
+def is_replaced(path: Path, take: Path, overwrite: bool, can_allow: bool = True) -> bool:
+    """Whether writing to `path` replaces a recording, which is allowed; see `make_way`.
+
+    Raises:
+        KeptRecording: it is not allowed.
+    """
+    reason = why_keep(path, take)
+    if reason and not overwrite:
+        raise KeptRecording(path, reason, can_allow)
+    return bool(reason)
+
+
 def make_way(path: Path, take: Path, overwrite: bool, can_allow: bool = True) -> Path | None:
     """Make sure that writing to `path` loses no recording.
 
@@ -77,12 +89,7 @@ def make_way(path: Path, take: Path, overwrite: bool, can_allow: bool = True) ->
         KeptRecording: it is a recording and `overwrite` is False.
         FileError: the copy cannot be written.
     """
-    reason = why_keep(path, take)
-    if not reason:
-        return None
-    if not overwrite:
-        raise KeptRecording(path, reason, can_allow)
-    return keep_backup(path)
+    return keep_backup(path) if is_replaced(path, take, overwrite, can_allow) else None
 
 
 def _same(a: Path, b: Path) -> bool:
