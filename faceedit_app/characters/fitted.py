@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -157,17 +157,8 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
     face = WeldedFace.of(assembly, welded)
     found, problems = find_points(face)
     problems = [*_absent_shapes(character, mapping), *problems]
-    known = {name: p for name, p in character.points.items() if name not in mapping.points}
-    found |= _placed(character, known, assembly, welded, strict=False)
-    found |= _placed(character, mapping.points, assembly, welded)
-    found = {name: found[name] for name in POINTS if name in found}
-    remarks += assembler.remarks
-    if frame.nods > _NODS:
-        remarks.append(
-            f"the head may nod by about {frame.nods:.0f}° in its file, and is shown as it is there"
-        )
-    if frame.swapped:
-        remarks.append("left and right of its shapes were reversed and have been swapped")
+    found = _corrected(found, character, mapping, assembly, welded)
+    remarks += [*assembler.remarks, *_frame_remarks(frame)]
     rig, faults = _rig(character, assembly, welded, face, found)
     rig = replace(rig, levels=Levels(mapping.levels))
     points = {name: int(welded.first[number]) for name, number in found.items()}
@@ -192,6 +183,25 @@ def fit(character: Character, mapping: CharacterMap | None = None) -> FittedChar
         vertex_of=assembly.vertex_of,
         eyes=assembly.eyes,
     )
+
+
+def _corrected(
+    found: Points, character: Character, mapping: CharacterMap, assembly: Assembly, welded: Weld
+) -> Points:
+    """The points that were found, with those that the file, and before it the user's map, names."""
+    named = {name: p for name, p in character.points.items() if name not in mapping.points}
+    found = found | _placed(character, named, assembly, welded, strict=False)
+    found |= _placed(character, mapping.points, assembly, welded)
+    return {name: found[name] for name in POINTS if name in found}
+
+
+def _frame_remarks(frame: FaceFrame) -> Iterator[str]:
+    """What is unusual about how the head lies in its file."""
+    if frame.nods > _NODS:
+        about = f"by about {frame.nods:.0f}°"
+        yield f"the head may nod {about} in its file, and is shown as it is there"
+    if frame.swapped:
+        yield "left and right of its shapes were reversed and have been swapped"
 
 
 def _need_shapes(character: Character) -> None:

@@ -174,9 +174,7 @@ def csv_take(
     found = find_channels(table, naming or naming_of(table.names))
     table, faces = _one_face(table)
     places = _Places.of(table, found)
-    rows = table.read(places.texts, found.indices, places.flag)
-    count = count_without_footer(rows.texts, rows.lost)
-    rows = replace(rows, texts=rows.texts[:count], lost=rows.lost[:count])
+    rows = _without_footer(table.read(places.texts, found.indices, places.flag))
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
     times = _times(table, places, rows)
@@ -210,7 +208,23 @@ def csv_take(
         confidence=_confidence(places, rows),
         scale=scale,
     )
-    source = partial(
+    source = _source(table, columns, places, rows, times)
+    take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
+    if not rows.lost_lines:
+        return take
+    return replace(take, lost_rows=LostRows(_positions(rows)))
+
+
+def _without_footer(rows: TableRows) -> TableRows:
+    count = count_without_footer(rows.texts, rows.lost)
+    return replace(rows, texts=rows.texts[:count], lost=rows.lost[:count])
+
+
+def _source(
+    table: Table, columns: Columns, places: _Places, rows: TableRows, times: RowTimes
+) -> Callable[..., CsvSource]:
+    """What writes the table again, once scale and rotations are known."""
+    return partial(
         CsvSource,
         table,
         tuple(rows.lines),
@@ -223,10 +237,6 @@ def csv_take(
         clock=times.column if times.kind == "timecode" else None,
         ticks=_ticks(places, rows, times),
     )
-    take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
-    if not rows.lost_lines:
-        return take
-    return replace(take, lost_rows=LostRows(_positions(rows)))
 
 
 def _positions(rows: TableRows) -> tuple[float, ...]:

@@ -18,7 +18,8 @@ from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.residual import Residuals
 from faceedit_app.editing.solving.start import Start
-from faceedit_app.editing.solving.take_regions import Sample, TakeRegion
+from faceedit_app.editing.solving.take_regions import TakeRegion
+from faceedit_app.editing.solving.take_statistics import Sample
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine

@@ -17,8 +17,7 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.regions import JAW
 from faceedit_app.core.rig import Distances
-from faceedit_app.editing.solving.take_regions import Sample
-from faceedit_app.editing.solving.take_statistics import IDLE
+from faceedit_app.editing.solving.take_statistics import IDLE, Sample
 
 # How far the lips go with the jaw, as weights; how many frames at 25 fps, with a jaw that varies by
 # `_SPREAD`, that counts as; and the most that is believed.

@@ -42,8 +42,8 @@ from faceedit_app.editing.solving.rounding import rounded
 from faceedit_app.editing.solving.sideways import Sideways
 from faceedit_app.editing.solving.solved_regions import SolvedRegions
 from faceedit_app.editing.solving.start import Start, Starts
-from faceedit_app.editing.solving.take_regions import BEYOND, Sample, TakeRegion
-from faceedit_app.editing.solving.take_statistics import IDLE
+from faceedit_app.editing.solving.take_regions import BEYOND, TakeRegion
+from faceedit_app.editing.solving.take_statistics import IDLE, Sample
 from faceedit_app.formats.take import LostRows
 
 if TYPE_CHECKING:  # the window is there before the networks

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +36,7 @@ from faceedit_app.editing.solving.expectation import Expectation
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.reach import FREE_MM, HELD_MM, PARTED_MM, Reach
 from faceedit_app.editing.solving.reach_frames import limited
-from faceedit_app.editing.solving.take_statistics import IDLE, TakeStatistics
+from faceedit_app.editing.solving.take_statistics import IDLE, Sample, TakeStatistics
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -53,29 +53,6 @@ ALIKE, UNLIKE = 4.0, 7.0
 _NEEDED = 0.02
 # mm: how exactly quick changes are answered.
 _FAST_MM = 0.1
-
-
-@dataclass(frozen=True)
-class Sample:
-    """Stretches of a take at 25 fps, and its extremes.
-
-    Attributes:
-        weights: (N, 52) of each stretch.
-        frames: (N, 52) of each stretch, as tracked, at the take's own rate.
-        curves: (N, C) mm of each stretch.
-        low, high: (52,) the smallest and largest weights of the whole take.
-        shortest, longest: (C,) mm, the same of its curves.
-        seconds: the length of the take.
-    """
-
-    weights: list[Doubles]
-    frames: list[Doubles]
-    curves: list[Doubles]
-    low: Doubles
-    high: Doubles
-    shortest: Doubles
-    longest: Doubles
-    seconds: float
 
 
 class TakeRegion:
@@ -153,9 +130,7 @@ class TakeRegion:
         self._range = sample.shortest[self.own_columns], sample.longest[self.own_columns]
         self._far = self._far_beyond()
         self.expectation = self._expectation(slopes, sample)
-        network = engine.completions.get(region.id) if engine else None
-        whole = network is not None and network.description.controls == self.own
-        self.completing = Completing(self.expectation, network) if network and whole else None
+        self.completing = self._completing(engine)
         stays = [i for i in self.have if stem(self.channels[i]) in STAYS_IN_CLOSURES]
         self.frowns = np.flatnonzero(np.isin(self.have, stays))
         moving = np.flatnonzero(self._distances.gradients.any(axis=(1, 2)))
@@ -186,6 +161,13 @@ class TakeRegion:
             if total > 0 and shares[may & moves].sum() < ENOUGH * total:
                 needed |= shares > _NEEDED * total
         return needed
+
+    def _completing(self, engine: Engine | None) -> Completing | None:
+        """What completes requests, if the model has a network that knows just these controls."""
+        network = engine.completions.get(self.region.id) if engine else None
+        if network is None or network.description.controls != self.own:
+            return None
+        return Completing(self.expectation, network)
 
     def _own_sides(self, distances: Distances) -> Bools | None:
         """(K, C) which of the heard controls each channel follows; None = any of them.

@@ -36,6 +36,29 @@ MARGIN = 0.05
 
 
 @dataclass(frozen=True)
+class Sample:
+    """Stretches of a take at 25 fps, and its extremes.
+
+    Attributes:
+        weights: (N, 52) of each stretch.
+        frames: (N, 52) of each stretch, as tracked, at the take's own rate.
+        curves: (N, C) mm of each stretch.
+        low, high: (52,) the smallest and largest weights of the whole take.
+        shortest, longest: (C,) mm, the same of its curves.
+        seconds: the length of the take.
+    """
+
+    weights: list[Doubles]
+    frames: list[Doubles]
+    curves: list[Doubles]
+    low: Doubles
+    high: Doubles
+    shortest: Doubles
+    longest: Doubles
+    seconds: float
+
+
+@dataclass(frozen=True)
 class TakeStatistics:
     """What K channels do in a take.
 
