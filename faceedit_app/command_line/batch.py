@@ -26,33 +26,43 @@ if TYPE_CHECKING:
     from faceedit_app.batch.tasks import Outcome, Task
 
 
+# typer reads annotations at run time, so they stay in the old form.
+_WhatArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="WHAT",
+        help="Edits (JSON), a preset such as smile, fix:lips,blinks,shaking,gaps, or none.",
+    ),
+]
+_SourceArgument = Annotated[Path, typer.Argument(help="The folder with the takes.")]
+_OutputOption = Annotated[Path, typer.Option("-o", "--output", help="The folder for the results.")]
+_JobsOption = Annotated[int, typer.Option(min=1, help="How many takes are worked on at once.")]
+_FormatOption = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option("--format", help="As for convert; default: as each take came."),
+]
+_FpsOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option("--fps", help="Frames per second to write; needs --format."),
+]
+_SchedulerOption = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
+]
+
+
 def batch(
-    what: Annotated[
-        str,
-        typer.Argument(
-            metavar="WHAT",
-            help="Edits (JSON), a preset such as smile, fix:lips,blinks,shaking,gaps, or none.",
-        ),
-    ],
-    source: Annotated[Path, typer.Argument(help="The folder with the takes.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The folder for the results.")],
-    jobs: Annotated[int, typer.Option(min=1, help="How many takes are worked on at once.")] = 1,
-    form: Annotated[
-        Optional[str],  # noqa: UP045  (typer reads the annotation at run time)
-        typer.Option("--format", help="As for convert; default: as each take came."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second to write; needs --format."),
-    ] = None,
+    what: _WhatArgument,
+    source: _SourceArgument,
+    output: _OutputOption,
+    jobs: _JobsOption = 1,
+    form: _FormatOption = None,
+    fps: _FpsOption = None,
     take_fps: TakeFpsOption = None,
     character: CharacterOption = None,
     follow_head: FollowHeadOption = False,
     models: ModelsOption = None,
-    scheduler: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="A Dask scheduler, such as tcp://host:8786, whose workers do the work."),
-    ] = None,
+    scheduler: _SchedulerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Fix, edit or convert all takes in a folder; run it again to go on after a stop.

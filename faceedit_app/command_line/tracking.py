@@ -25,32 +25,41 @@ if TYPE_CHECKING:
     from faceedit_app.tracking.tracker import Tracked
 
 
+# typer reads annotations at run time, so they stay in the old form.
+_FilmArgument = Annotated[Path, typer.Argument(help="A film of a face, or a folder of films.")]
+_OutputOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("-o", "--output", help="The take (Live Link Face CSV), or a folder for them."),
+]
+_FpsOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option("--fps", help="Frames per second of the take; default: the film's."),
+]
+_FaceOption = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        metavar="X,Y[,SECONDS]",
+        help="A place on the face to follow, as shares of width and height, and when it is "
+        "there; default: the largest face.",
+    ),
+]
+_ReportOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Folder for film and face side by side, as picture and MP4."),
+]
+_EditsOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="With --report: edits (JSON) for a third column, the edited face."),
+]
+
+
 def track(
-    film: Annotated[Path, typer.Argument(help="A film of a face, or a folder of films.")],
-    output: Annotated[
-        Optional[Path],  # noqa: UP045  (typer reads the annotation at run time)
-        typer.Option("-o", "--output", help="The take (Live Link Face CSV), or a folder for them."),
-    ] = None,
-    fps: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--fps", help="Frames per second of the take; default: the film's."),
-    ] = None,
-    face: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(
-            metavar="X,Y[,SECONDS]",
-            help="A place on the face to follow, as shares of width and height, and when it is "
-            "there; default: the largest face.",
-        ),
-    ] = None,
-    report: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Folder for film and face side by side, as picture and MP4."),
-    ] = None,
-    edits: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="With --report: edits (JSON) for a third column, the edited face."),
-    ] = None,
+    film: _FilmArgument,
+    output: _OutputOption = None,
+    fps: _FpsOption = None,
+    face: _FaceOption = None,
+    report: _ReportOption = None,
+    edits: _EditsOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Track the face in a film: write the take that a phone would have recorded.
