@@ -239,11 +239,11 @@ class EditHistory(ABC):
         edit = replace(self.edits[index], name=clean_text(name.strip()))
         self.replace_edit(index, edit, "Rename edit")
 
-    def remove(self, *indices: int) -> None:
-        """Delete edits from the list."""
+    def remove(self, *indices: int, name: str = "") -> None:
+        """Delete edits from the list; the step is named after their number, if it has no name."""
         gone = {range(len(self.edits))[index] for index in indices}
         kept = tuple(edit for i, edit in enumerate(self.edits) if i not in gone)
-        self.put(kept, "Delete edit" if len(gone) == 1 else f"Delete {len(gone)} edits")
+        self.put(kept, name or ("Delete edit" if len(gone) == 1 else f"Delete {len(gone)} edits"))
 
     def move(self, index: int, to: int) -> None:
         """Move an edit to another place in the list.

@@ -214,6 +214,11 @@ def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
     click(panel, 1, x=120)
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert names(window) == ["before"]
+    assert session.undo_name == "Delete edit", "as many as rows"
+    session.undo()
+    panel.list.selectAll()
+    QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert (session.edits, session.undo_name) == ((), "Delete 2 edits")
 
 
 def test_after_renaming_the_list_has_the_keyboard_again(bench: Bench, window: MainWindow) -> None:

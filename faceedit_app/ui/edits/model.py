@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -80,6 +80,11 @@ class EditsModel(QAbstractListModel):
         """Whether another row stands for this one."""
         group = self._groups.get(row, range(row, row + 1))
         return row != group.start and not self.is_open(row)
+
+    def counted(self, rows: Iterable[int]) -> str:
+        """`edit`, or `3 edits`: as many as the list shows of these rows."""
+        shown = sum(not self.is_hidden(row) for row in rows)
+        return "edit" if shown == 1 else f"{shown} edits"
 
     def toggle_group(self, row: int) -> None:
         """Show the edits of a group, or hide them."""

@@ -355,7 +355,8 @@ class EditsPanel(QWidget):
         rows = self.rows
         if rows:
             self._leave()
-            self._document.act(lambda session: session.remove(*rows))
+            name = f"Delete {self.model.counted(rows)}"
+            self._document.act(lambda session: session.remove(*rows, name=name))
             left = len(self.model.edits)
             if left:  # select the next one, wherever in the take it is
                 self._select_quietly([min(rows[0], left - 1)])
@@ -369,7 +370,7 @@ class EditsPanel(QWidget):
             on = not edits[rows[0]].enabled
             for row in rows:
                 edits[row] = replace(edits[row], enabled=on)
-            name = f"Switch {'edit' if len(rows) == 1 else 'edits'} {'on' if on else 'off'}"
+            name = f"Switch {self.model.counted(rows)} {'on' if on else 'off'}"
             self._document.act(lambda session: session.put(edits, name))
 
     def rename(self) -> None:
