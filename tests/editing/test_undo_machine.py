@@ -122,6 +122,8 @@ any_settings = st.builds(
 class Editing(RuleBasedStateMachine):
     """Random gestures on one take; `past` is what undo must lead back to."""
 
+    runs = 2 * TIMES
+
     def engine(self) -> Engine | None:
         """What answers the edits."""
         return None
@@ -314,6 +316,8 @@ class Editing(RuleBasedStateMachine):
 class EditingWithNetworks(Editing):
     """The same, answered by networks."""
 
+    runs = TIMES  # each takes three times as long
+
     def engine(self) -> Engine | None:
         return engine()
 
@@ -326,7 +330,7 @@ def test_undo_then_redo_of_200_random_actions_exports_the_same_bytes(
     run_state_machine_as_test(
         machine,
         settings=settings(
-            max_examples=2 * TIMES,
+            max_examples=machine.runs,
             stateful_step_count=ACTIONS,
             deadline=None,
             derandomize=True,

@@ -108,7 +108,7 @@ def test_every_enabled_command_is_used_once_before_others_are_again() -> None:
 def test_gesture_changes_what_it_is_for(
     bench: Bench, gesture: Callable[[Hands], object], changes: Callable[[MainWindow], object]
 ) -> None:
-    window = bench.window(bench.take)
+    window = bench.editing()
     assert window.editor is not None
     session_of(window).add(*EDITS)
     window.editor.edits.select(0)

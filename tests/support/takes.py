@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -89,23 +90,47 @@ def make_livelink_csv(
         spell: changes each timecode before it is written.
         weights: (frames, len(names)); by default `speech_like`.
     """
+    rows = (seconds, rate, base, start, decimals, frozenset(dropped), frozenset(untracked))
+    if names is None and not extra and weights is None and spell is str:
+        lines = _usual_lines(count_name, *rows)
+    else:
+        lines = _lines(count_name, *rows, names, extra, spell, weights)
+    path.write_bytes((newline.join(lines) + newline).encode())
+    return path
+
+
+def _lines(
+    count_name: str,
+    seconds: float,
+    rate: int,
+    base: int,
+    start: float,
+    decimals: int,
+    dropped: frozenset[int],
+    untracked: frozenset[int],
+    names: list[str] | None = None,
+    extra: Mapping[str, str] | None = None,
+    spell: Callable[[str], str] = str,
+    weights: NDArray[np.float64] | None = None,
+) -> tuple[str, ...]:
     names = livelink_names() if names is None else names
     extra = dict(extra or {})
     frames = round(seconds * rate) if weights is None else len(weights)
     weights = speech_like(frames, rate, names) if weights is None else weights
     count = len(names) + len(ROTATIONS) + len(extra)
     lines = [",".join(["Timecode", count_name, *names, *ROTATIONS, *extra])]
-    dropped, untracked = set(dropped), set(untracked)
+    turns = [f"{0.01 * k - 0.04:.{decimals}f}" for k in range(len(ROTATIONS))]
     for frame in range(frames):
         code = spell(timecode(start + frame * base / rate, base))
         if frame in untracked:
             lines.append(f"{code},0")
         elif frame not in dropped:
-            cells = [f"{value:.{decimals}f}" for value in weights[frame]]
-            turns = [f"{0.01 * k - 0.04:.{decimals}f}" for k in range(len(ROTATIONS))]
+            cells = [f"{value:.{decimals}f}" for value in weights[frame].tolist()]
             lines.append(",".join([code, str(count), *cells, *turns, *extra.values()]))
-    path.write_bytes((newline.join(lines) + newline).encode())
-    return path
+    return tuple(lines)
+
+
+_usual_lines = lru_cache(maxsize=32)(_lines)  # most tests want the same few takes
 
 
 def make_plain_csv(path: Path, seconds: float = 2.0, rate: float = 30.0) -> Path:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -77,12 +75,6 @@ class FakeRenderer:
         self.open = False
 
 
-@lru_cache
-def _usual_take() -> bytes:
-    with TemporaryDirectory() as folder:
-        return make_livelink_csv(Path(folder, "take.csv"), seconds=3.0).read_bytes()
-
-
 class Bench:
     """Opens windows, and knows how the user answers and what is shown to the user.
 
@@ -103,8 +95,7 @@ class Bench:
         self.exported: list[Any] = []
         self.answers: dict[str, Any] = {}
         self.renderers: list[FakeRenderer] = []
-        self.take = folder / "take.csv"
-        self.take.write_bytes(_usual_take())
+        self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
         monkeypatch.setattr(dialogs, "show_exported", lambda _w, *said: self.exported.append(said))
         self.preferences().set_hints_seen()

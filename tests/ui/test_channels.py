@@ -26,7 +26,7 @@ JAW, BLINK = ARKIT_INDEX["jawOpen"], ARKIT_INDEX["eyeBlinkLeft"]
 
 
 def opened(bench: Bench, take: Path | None = None) -> tuple[MainWindow, ChannelsPanel]:
-    window = bench.window(take or bench.take)
+    window = bench.editing(take)
     trigger(window, "all_channels")
     assert window.editor is not None
     panel = window.editor.channels
@@ -190,7 +190,7 @@ def test_edit_of_channels_is_in_the_list_and_switched_off_there(bench: Bench) ->
 
 
 def test_this_frame_is_neutral_keeps_the_height_of_blinks(bench: Bench, tmp_path: Path) -> None:
-    window = bench.window(squinting(tmp_path))
+    window = bench.editing(squinting(tmp_path))
     session = session_of(window)
     peak = float(session.weights[:, BLINK].max())
     window.timeline.go_to_frame(int(session.weights[:, BLINK].argmin()))
@@ -204,7 +204,7 @@ def test_this_frame_is_neutral_keeps_the_height_of_blinks(bench: Bench, tmp_path
 
 
 def test_neutral_acts_in_the_selection_only(bench: Bench, tmp_path: Path) -> None:
-    window = bench.window(squinting(tmp_path))
+    window = bench.editing(squinting(tmp_path))
     session = session_of(window)
     before = session.weights.copy()
     window.timeline.select((1.0, 2.0))
@@ -215,7 +215,7 @@ def test_neutral_acts_in_the_selection_only(bench: Bench, tmp_path: Path) -> Non
 
 
 def test_take_that_squints_at_rest_is_offered_a_neutral_rest(bench: Bench, tmp_path: Path) -> None:
-    window = bench.window(squinting(tmp_path))
+    window = bench.editing(squinting(tmp_path))
     assert window.banner.button.isVisible()
     assert "the lids are half shut" in window.banner.text.text()
     window.banner.button.click()
