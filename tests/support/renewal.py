@@ -287,13 +287,16 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
 def _forget_gestures(window: MainWindow, page: Editor) -> None:
     """Forget what the last gestures were."""
     line, mouse, fields = window.timeline, page.curves._mouse, page.curves.fields
-    line._edits_falloffs, line._before = (0.0, 0.0), None
+    line._edits_falloffs, line._before, line.can_fade = (0.0, 0.0), None, True
+    window.playback._came_from = 0
+    window.commands.edit._clipboard = None
+    window.commands.file.character._saved = None
     mouse.focused, mouse.plot, mouse.chosen = None, None, frozenset()
     mouse._x = mouse._shown = 0.0
     mouse._came_from = 0
     fields._setting, fields._made = None, None
     fields._typed.clear()
-    page.curves.range_bar._before = None
+    page.curves.range_bar._before = page.curves.range_bar._hovered = None
     page.edits._is_new = False
     proposal = page.proposal
     proposal._name, proposal.problem, proposal.is_for_all = "", None, False
