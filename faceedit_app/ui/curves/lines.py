@@ -136,14 +136,17 @@ class Stroke:
         if self._hair[0] != ratio:
             self._hair = ratio, _hairline(self._wanted, ratio)
         painter.setPen(self._hair[1])
-        place = painter.transform()
-        for dx, dy in offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF()):
-            painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
+        aside = offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF())
+        place = painter.transform() if len(aside) > 1 else None
+        for dx, dy in aside:
+            if place is not None:
+                painter.setTransform(place * QTransform.fromTranslate(dx / ratio, dy / ratio))
             if self._line.joined is None:
                 painter.drawPolyline(self._points)
             else:
                 painter.drawPath(self._path)
-        painter.setTransform(place)
+        if place is not None:
+            painter.setTransform(place)
 
 
 def _polygon(line: Polyline) -> QPolygonF:

@@ -209,6 +209,8 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
             self._spans.show(marks.selection, marks.edit, marks.alpha)
         self._at = playhead, dot
         drawn, height = self._drawn_at
+        if playhead != drawn:
+            self._playhead.setValue(playhead)
         if playhead != drawn or abs(dot - height) > self._lines.unseen:
             self._show_dot()
         if handle != self.handle:
@@ -216,7 +218,6 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
 
     def _show_dot(self) -> None:
         self._drawn_at = self._at
-        self._playhead.setValue(self._at[0])
         self._dot.setPos(*self._at)
 
     def _show_handle(self, handle: Handle | None) -> None:

@@ -52,9 +52,10 @@ class Polyline:
         if self is before:
             return None
         if self.x is before.x:
-            rows = np.flatnonzero(self.y != before.y)
-            if not len(rows) or np.abs(self.y[rows] - before.y[rows]).max() <= unseen:
+            moved = np.abs(self.y - before.y)
+            if not len(moved) or moved.max() <= unseen:
                 return None
+            rows = moved.nonzero()[0]
             first, last = max(rows[0] - 1, 0), min(rows[-1] + 1, len(self.x) - 1)
             return float(self.x[first]), float(self.x[last])
         # If the start of a line moves, so do all its dashes.
