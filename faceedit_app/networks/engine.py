@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.arrays import Doubles
+from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.regions import REGIONS, Region
 from faceedit_app.core.rig import Rig
@@ -23,7 +23,7 @@ from faceedit_app.networks.region import RegionAnswer, read_region
 
 ENDING = ".onnx"
 CORES = os.cpu_count() or 1
-Work = Callable[[], Doubles]
+Work = Callable[[], list[Floats]]
 PATIENCE = 0.0015  # seconds to wait for another thread; a region takes about one millisecond
 
 
@@ -85,7 +85,7 @@ def _begun(work: Mapping[str, Work]) -> dict[str, Work]:
     return {name: partial(_result, _helpers().submit(part), part) for name, part in work.items()}
 
 
-def _result(other: Future[Doubles], part: Work) -> Doubles:
+def _result(other: Future[list[Floats]], part: Work) -> list[Floats]:
     """What another thread computes, or the same computed here: if that is late, or not begun."""
     if not other.cancel():
         with suppress(TimeoutError):
@@ -169,11 +169,24 @@ class Engine:
         """
         if not regions:
             return {}
-        return _begun({name: partial(self._answer, name, curves, naturalness) for name in regions})
+        # Other threads only run the networks: every other line would make this one wait for them.
+        work: dict[str, Work] = {}
+        for name in regions:
+            model = self.models[name]
+            heard = _padded(curves[:, model.columns], model.description.scale)
+            work[name] = partial(model.run, heard, naturalness)
+        begun = _begun(work)
 
-    def _answer(self, region: str, curves: Doubles, naturalness: float) -> Doubles:
-        model = self.models[region]
-        heard = curves[:, model.columns].astype(np.float32, order="C")
-        if missing := -len(curves) % model.description.scale:
-            heard = np.concatenate([heard, np.repeat(heard[-1:], missing, axis=0)])
-        return model(heard, naturalness)[: len(curves)].astype(np.float64, order="F")
+        def answer(name: str) -> Doubles:
+            found = self.models[name].answer(begun[name](), naturalness)
+            return found[: len(curves)].astype(np.float64, order="F")
+
+        return {name: partial(answer, name) for name in regions}
+
+
+def _padded(curves: Doubles, scale: int) -> Floats:
+    """(M, C) float32: curves (N, C), whose last frame is repeated up to a multiple of `scale`."""
+    heard = curves.astype(np.float32, order="C")
+    if missing := -len(heard) % scale:
+        heard = np.concatenate([heard, np.repeat(heard[-1:], missing, axis=0)])
+    return heard

@@ -57,23 +57,24 @@ class RegionAnswer:
             naturalness: 0 = the regressor alone, 1 = regressor and autoencoder; ignored if there
                 is one network.
         """
-        answer = self._answer(curves, naturalness)
-        if not np.isfinite(answer).all():  # a manipulated model: must not reach a take
-            answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
-        return answer
+        return self.answer(self.run(curves, naturalness), naturalness)
 
-    def _answer(self, curves: Floats, naturalness: float) -> Floats:
+    def run(self, curves: Floats, naturalness: float) -> list[Floats]:
+        """Run the networks for `answer`: nearly all of it without Python's lock."""
         wanted = [
             name
             for name, share in (("regressor", 1 - naturalness), ("system", naturalness))
             if share > 0 and name in self._outputs
         ]
         answers: list[Floats] = self._session.run(wanted or ["system"], {INPUT: curves})
-        if len(answers) == 1:
-            return answers[0]
-        regressed, believable = answers
-        with np.errstate(over="ignore", invalid="ignore"):  # the caller checks the result
-            return regressed + np.float32(naturalness) * (believable - regressed)
+        return answers
+
+    def answer(self, found: list[Floats], naturalness: float) -> Floats:
+        """(T, K) weights, of what `run` has found."""
+        answer = _mixed(found, naturalness)
+        if not np.isfinite(answer).all():  # a manipulated model: must not reach a take
+            answer = np.nan_to_num(answer, nan=0.0, posinf=LARGEST_WEIGHT, neginf=-LARGEST_WEIGHT)
+        return answer
 
     def _try_out(self) -> None:
         """Run the networks once; raise ValueError if the answer is wrong."""
@@ -81,11 +82,20 @@ class RegionAnswer:
         longest = about.scale * -(-(LONGEST + 2 * about.context) // about.scale)
         for frames in (about.scale, longest):
             curves = np.linspace(about.low, about.high, frames, dtype=np.float32)
-            answer = self._answer(curves, 0.5)
+            answer = _mixed(self.run(curves, 0.5), 0.5)
             if answer.shape != (frames, len(about.channels)):
                 raise ValueError(f"{frames} frames are answered by {answer.shape}")
             if not np.abs(answer).max() < LARGEST_WEIGHT:
                 raise ValueError("answers that are not weights")
+
+
+def _mixed(found: list[Floats], naturalness: float) -> Floats:
+    """(T, K) between what the regressor and the autoencoder have found, if both have."""
+    if len(found) == 1:
+        return found[0]
+    regressed, believable = found
+    with np.errstate(over="ignore", invalid="ignore"):  # the caller checks the result
+        return regressed + np.float32(naturalness) * (believable - regressed)
 
 
 @contextmanager
