@@ -19,6 +19,7 @@ from faceedit_app.tracking.landmarker import LANDMARKS
 if TYPE_CHECKING:
     from faceedit_app.tracking.tracker import Tracked
 
+SURE = 0.5  # confidence below which a picture is a gap
 _PART = 16.0  # of a pixel, the exactness that is kept
 _NONE = np.iinfo(np.int16).min
 _LARGEST = 256 << 20  # bytes
@@ -43,8 +44,13 @@ class StoredLandmarks:
     rows: Indices
 
     def at(self, index: int) -> Doubles | None:
-        """(478, 2) shares of the width and height in a picture, NaN where unknown, or None."""
+        """(478, 2) shares of the width and height in a picture, NaN where unknown.
+
+        None if the picture shows no face, or is a gap: there they would be guesses.
+        """
         if not 0 <= index < len(self.points) or not np.isfinite(self.points[index, 0, 0]):
+            return None
+        if self.confidence[index] < SURE:
             return None
         places = np.full((LANDMARKS, 2), np.nan)
         kept = self.rows >= 0

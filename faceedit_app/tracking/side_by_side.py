@@ -63,7 +63,7 @@ class SideBySide:
     Attributes:
         film: the film.
         places: the landmarks (478, 2) in a picture by its number, shares of its width and height;
-            None if it shows no face.
+            None if it shows no face, or is a gap.
         faces: as tracked and, if there are edits, as edited.
     """
 
@@ -77,8 +77,7 @@ class SideBySide:
         film, clip = tracked.landmarks, tracked.clip
 
         def places(index: int) -> Doubles | None:
-            points = film.points[index, :, :2] / film.size
-            return points if np.isfinite(points[0, 0]) else None
+            return film.points[index, :, :2] / film.size if tracked.sure[index] else None
 
         faces = [Column.of(clip, film.times)]
         if edited is not None:

@@ -31,11 +31,11 @@ from faceedit_app.tracking.film_landmarks import (
 )
 from faceedit_app.tracking.fit import DEFAULT, Fit, FitSettings, fit_weights
 from faceedit_app.tracking.hidden import seen_share
+from faceedit_app.tracking.landmark_file import SURE
 from faceedit_app.tracking.landmarker import FaceLandmarker
 from faceedit_app.tracking.lips import with_lip_edges
 from faceedit_app.tracking.person import Person, find_person
 
-SURE = 0.5  # confidence below which a picture is a gap
 _FEWEST = 8  # pictures with a face
 _GOOD = 0.9  # probability of a face in pictures that show the person's neutral face
 _TURNED = np.radians((35.0, 60.0))  # from here the far side is hidden, and there nothing is left

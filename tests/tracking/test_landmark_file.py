@@ -27,7 +27,9 @@ def some(path: Path) -> Tracked:
     )
     lens = Lens(np.zeros(2), 800.0)
     person = Person(np.zeros((1, 3)), np.zeros(1, np.intp), lens, 0.0, np.ones((2, 2)))
-    return Tracked(film, np.zeros((5, 52)), np.zeros((5, 3)), np.array([1, 1, 0, 1, 0.5]), person)
+    return Tracked(
+        film, np.zeros((5, 52)), np.zeros((5, 3)), np.array([1, 1, 0, 0.49, 0.5]), person
+    )
 
 
 def test_what_is_drawn_comes_back_to_a_sixteenth_of_a_pixel(tmp_path: Path) -> None:
@@ -41,6 +43,8 @@ def test_what_is_drawn_comes_back_to_a_sixteenth_of_a_pixel(tmp_path: Path) -> N
     expected = tracked.landmarks.points[1, known, :2]
     np.testing.assert_allclose(places[known] * (400, 300), expected, atol=0.04)
     assert stored.at(2) is None
+    assert stored.at(3) is None, "a gap"
+    assert stored.at(4) is not None
     assert stored.at(99) is None
     assert stored.confidence[4] == pytest.approx(0.5, abs=0.01)
 
