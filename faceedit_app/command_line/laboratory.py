@@ -215,7 +215,9 @@ def evaluate_tracking(
     from faceedit_app.lab.evaluation.rendered_films import CONDITIONS
     from faceedit_app.lab.training.data import take_paths
 
-    check_outputs([output], [*(path for path in takes if on_disk.is_file(path)), *(character or ())])
+    check_outputs(
+        [output], [*(path for path in takes if on_disk.is_file(path)), *(character or ())]
+    )
     paths = [path for folder in takes for path in take_paths(folder, exclude or ())]
     known = {how.name: how for how in CONDITIONS}
     for name in films or ():

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QHeaderView,
     QLabel,
     QLineEdit,
+    QMenuBar,
     QPlainTextEdit,
     QProgressBar,
     QTabBar,
@@ -28,7 +29,7 @@ from PySide6.QtWidgets import (
 LEAST = 4.5
 SCALE = 4  # pixels of the picture per pixel of the screen: letters then have their full colour
 _TEXTS = (
-    *(QLabel, QAbstractButton, QAbstractSpinBox, QComboBox, QTabBar, QLineEdit, QPlainTextEdit),
+    *(QLabel, QAbstractButton, QAbstractSpinBox, QComboBox, QLineEdit, QPlainTextEdit),
     *(QGroupBox, QProgressBar),
 )
 _ROUNDING = 0.1
@@ -66,7 +67,13 @@ def _places(window: QWidget) -> Iterator[Place]:
             continue
         if widget.visibleRegion().isEmpty():
             continue
-        if isinstance(widget, _TEXTS) and (text := _text_of(widget)):
+        if isinstance(widget, QTabBar):
+            for tab in range(widget.count()):
+                yield widget.tabText(tab), _inside(window, widget, widget.tabRect(tab))
+        elif isinstance(widget, QMenuBar):
+            for action in widget.actions():
+                yield action.text(), _inside(window, widget, widget.actionGeometry(action))
+        elif isinstance(widget, _TEXTS) and (text := _text_of(widget)):
             yield text, _inside(window, widget, widget.rect())
         elif isinstance(widget, QHeaderView):
             yield from _heads(window, widget)
@@ -105,8 +112,6 @@ def _cells(window: QWidget, view: QAbstractItemView) -> Iterator[Place]:
 
 
 def _text_of(widget: QWidget) -> str:
-    if isinstance(widget, QTabBar):
-        return widget.tabText(0)
     if isinstance(widget, QComboBox):
         return widget.currentText()
     if isinstance(widget, QGroupBox):

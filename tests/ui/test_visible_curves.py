@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from PySide6.QtGui import QImage, QPainter
+from PySide6.QtWidgets import QApplication
 from support.leaky import leaky_rig, speech
 from support.rigs import tiny_session
 from support.sessions import session_by_rig
@@ -12,6 +14,8 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.lines import Stroke
 from faceedit_app.ui.curves.visible_curves import Polyline, VisibleCurves, run_of, visible_rows
 
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -171,3 +175,20 @@ def test_the_character_s_line_shows_only_where_it_is_open_wider() -> None:
     assert len(curves.lines(CONTROL_INDEX["mouth_width"]).character.x) == 0
     curves.look((0.0, clip.duration), 9)
     assert len(curves.lines(opening).character.x) == 0
+
+
+@pytest.mark.parametrize("thinned", [False, True])
+def test_a_line_is_as_wide_on_every_screen(qapp: QApplication, thinned: bool) -> None:
+    stroke = Stroke(style.face_pen("#ffffff"))
+    stroke.show_line(Polyline(np.array([0.0, 40.0]), np.full(2, 10.0), None, thinned))
+    widths = []
+    for ratio in (1, 2, 3):
+        image = QImage(40 * ratio, 20 * ratio, QImage.Format.Format_RGB32)
+        image.setDevicePixelRatio(ratio)
+        image.fill(0)
+        with QPainter(image) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            stroke.draw(painter, ratio)
+        light = [image.pixelColor(20 * ratio, y).redF() for y in range(20 * ratio)]
+        widths.append(sum(light) / ratio)
+    assert max(widths) < 1.35 * min(widths), widths

@@ -136,7 +136,7 @@ class Stroke:
         if self._hair[0] != ratio:
             self._hair = ratio, _hairline(self._wanted, ratio)
         painter.setPen(self._hair[1])
-        aside = offsets(1.0 if self._line.thinned else ratio * self._wanted.widthF())
+        aside = offsets(ratio * (1.0 if self._line.thinned else self._wanted.widthF()))
         place = painter.transform() if len(aside) > 1 else None
         for dx, dy in aside:
             if place is not None:
