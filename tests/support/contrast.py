@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QHeaderView,
     QLabel,
     QLineEdit,
+    QMenu,
     QMenuBar,
     QPlainTextEdit,
     QProgressBar,
@@ -59,6 +60,21 @@ def unreadable_texts(window: QWidget) -> tuple[int, list[str]]:
         if found < LEAST - _ROUNDING:
             bad.append(f"{text!r}: {found:.2f}")
     return count, bad
+
+
+def unreadable_entries(menu: QMenu) -> list[str]:
+    """The entries of a menu, whether they can be chosen or not, that have less contrast."""
+    menu.ensurePolished()
+    menu.resize(menu.sizeHint())
+    picture = _picture_of(menu)
+    bad = []
+    for action in menu.actions():
+        place = menu.actionGeometry(action)
+        if action.isVisible() and not action.isSeparator():
+            found = _contrast_in(picture, place)
+            if found < LEAST - _ROUNDING:
+                bad.append(f"{action.text()!r}: {found:.2f}")
+    return bad
 
 
 def _places(window: QWidget) -> Iterator[Place]:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QApplication
-from support.contrast import LEAST, contrast, unreadable_texts
+from PySide6.QtWidgets import QApplication, QMenu
+from support.contrast import LEAST, contrast, unreadable_entries, unreadable_texts
 from support.waiting import run_events
 from support.windows import Bench, add_edit, session_of
 
@@ -97,3 +97,10 @@ def test_every_text_in_the_window_can_be_read(
     seen, bad = unreadable_texts(window)
     assert bad == []
     assert seen > 30
+    if state is not with_edit:
+        return
+    menus = [menu for menu in window.menuBar().findChildren(QMenu) if menu.actions()]
+    assert len(menus) >= 8
+    for menu in menus:
+        menu.aboutToShow.emit()
+        assert unreadable_entries(menu) == [], menu.title()
