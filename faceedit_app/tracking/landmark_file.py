@@ -14,12 +14,11 @@ from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.tracking.drawing import DRAWN, ENDING
-from faceedit_app.tracking.landmarker import LANDMARKS
+from faceedit_app.tracking.landmarker import LANDMARKS, SURE
 
 if TYPE_CHECKING:
     from faceedit_app.tracking.tracker import Tracked
 
-SURE = 0.5  # confidence below which a picture is a gap
 _PART = 16.0  # of a pixel, the exactness that is kept
 _NONE = np.iinfo(np.int16).min
 _LARGEST = 256 << 20  # bytes

@@ -27,6 +27,7 @@ from faceedit_app.core.resources import shipped
 
 TASK = "models/tracker/face_landmarker.task"
 LANDMARKS = 478
+SURE = 0.5  # confidence below which a picture is a gap
 _DETECTOR, _LANDMARKER = "face_detector.tflite", "face_landmarks_detector.tflite"
 _LARGEST = 64 << 20  # bytes of one network
 _SEEN = 0.5  # least probability of a face

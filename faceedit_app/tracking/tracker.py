@@ -31,8 +31,7 @@ from faceedit_app.tracking.film_landmarks import (
 )
 from faceedit_app.tracking.fit import DEFAULT, Fit, FitSettings, fit_weights
 from faceedit_app.tracking.hidden import seen_share
-from faceedit_app.tracking.landmark_file import SURE
-from faceedit_app.tracking.landmarker import FaceLandmarker
+from faceedit_app.tracking.landmarker import SURE, FaceLandmarker
 from faceedit_app.tracking.lips import with_lip_edges
 from faceedit_app.tracking.person import Person, find_person
 

@@ -32,7 +32,8 @@ def confidence_of(take: Take) -> Doubles | None:
 @lru_cache(maxsize=4)
 def _kept(path: Path, _changed: int, _size: int) -> Doubles | None:
     """(n,) the confidence of the frames that are no gaps."""
-    from faceedit_app.tracking.landmark_file import SURE, read_landmarks
+    from faceedit_app.tracking.landmark_file import read_landmarks
+    from faceedit_app.tracking.landmarker import SURE
 
     try:
         confidence = read_landmarks(path).confidence
