@@ -124,13 +124,16 @@ def test_the_viewport_knows_when_it_is_played(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     window = bench.editing()
-    quality, playback = editor_of(window).face.viewport.quality, window.workspace.playback
-    said: list[str] = []
+    viewport, playback = editor_of(window).face.viewport, window.workspace.playback
+    quality, said = viewport.quality, list[str]()
     monkeypatch.setattr(quality, "play", lambda rate: said.append(f"play at {rate:.0f}"))
     monkeypatch.setattr(quality, "rest", lambda: said.append("rest"))
+    monkeypatch.setattr(viewport, "hurry", lambda: said.append("draw now"))
     playback.play()
+    window.timeline.go_to_frame(7)  # and so the face is drawn while the curves are painted
     playback.pause()
-    assert said == [f"play at {session_of(window).take.clip.rate:.0f}", "rest"]
+    window.timeline.go_to_frame(8)
+    assert said == [f"play at {session_of(window).take.clip.rate:.0f}", "draw now", "rest"]
 
 
 def test_what_the_next_picture_needs_is_done_once_nobody_waits(

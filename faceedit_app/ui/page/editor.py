@@ -148,6 +148,7 @@ class Editor(QWidget):
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)
         self.face.handles.hand = self.curves.hand
         self._playback.playing_changed.connect(self._set_quality)
+        self._timeline.playhead_moved.connect(self._played)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._advanced)
         self.solving.finished.connect(self._solved)
@@ -272,6 +273,11 @@ class Editor(QWidget):
             quality.play(clip.rate * max(abs(self._playback.pace), 1.0))
         else:
             quality.rest()
+
+    def _played(self) -> None:
+        """In fast playback, draw the face while the rest of the window is painted."""
+        if self._playback.playing and not self.face.viewport.quality.is_hurried:
+            self.face.viewport.hurry()
 
     def mouse_lost(self) -> None:
         """The mouse is lost to another window: end drags and keep their result."""
