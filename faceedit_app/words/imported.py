@@ -11,6 +11,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, clean_text
 from faceedit_app.words.aligning import TextLine
 from faceedit_app.words.dictionary import phonemes_of, tokens
+from faceedit_app.words.speech_sounds import sampa_as_ipa
 from faceedit_app.words.transcript import Phoneme, Transcript, Word, check_order
 
 TimedText = tuple[str, float, float]  # text or symbol, start and end in seconds
@@ -110,6 +111,8 @@ def with_times(path: Path, words: Sequence[TimedText], phonemes: Sequence[TimedT
     """
     if not all(abs(time) < _LATEST for part in (*words, *phonemes) for time in part[1:]):
         raise FileError(path, "is damaged: a time is not a number of seconds", "correct it")
+    ipa = sampa_as_ipa({symbol for symbol, _, _ in phonemes})
+    phonemes = [(ipa.get(symbol, symbol), start, end) for symbol, start, end in phonemes]
     made = []
     for text, start, end in words or phonemes:
         inside = [

@@ -1,9 +1,10 @@
-"""What phonemes ask of the lips, in ARPABET and in the International Phonetic Alphabet."""
+"""What phonemes ask of the lips, in ARPABET, SAMPA and the International Phonetic Alphabet."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Collection
 from enum import StrEnum
 
 
@@ -27,8 +28,30 @@ _IPA = {
     **dict.fromkeys(("p", "b", "m", "pf"), Lips.CLOSE),
     **dict.fromkeys(("f", "v", "ɱ"), Lips.TEETH),
     **dict.fromkeys(("w", "u", "ʉ", "y", "ʍ"), Lips.PUCKER),
-    **dict.fromkeys(("ʃ", "ʒ", "tʃ", "dʒ", "ʧ", "ʤ"), Lips.PROTRUDE),
+    **dict.fromkeys(("ʃ", "ʒ", "tʃ", "dʒ", "ʧ", "ʤ", "tS", "dZ"), Lips.PROTRUDE),
 }
+# Every English word has a vowel. OY is not among these, as it is one of German SAMPA as well.
+_ARPABET_VOWELS = frozenset(
+    (
+        *("AA", "AE", "AH", "AO", "AW", "AX", "AXR", "AY", "EH"),
+        *("ER", "EY", "IH", "IX", "IY", "OW", "UH", "UW", "UX"),
+    )
+)
+_SAMPA = {"S": "ʃ", "Z": "ʒ"}
+
+
+def sampa_as_ipa(symbols: Collection[str]) -> dict[str, str]:
+    """What a file's symbols mean in IPA that SAMPA and ARPABET use for different sounds.
+
+    ARPABET's `S` is s, and SAMPA's is sh. A file is in SAMPA if it has symbols in lower case, and
+    no vowel of ARPABET.
+
+    Args:
+        symbols: all that the file has.
+    """
+    bare = {_STRESS.sub("", symbol.strip()) for symbol in symbols}
+    is_sampa = any(one.islower() for one in bare) and not bare & _ARPABET_VOWELS
+    return _SAMPA if is_sampa else {}
 
 
 def lips_of(symbol: str) -> Lips | None:
@@ -36,7 +59,9 @@ def lips_of(symbol: str) -> Lips | None:
     bare = _STRESS.sub("", symbol.strip())
     if bare in _ARPABET:
         return _ARPABET[bare]
-    letters = unicodedata.normalize("NFD", bare)  # without length, aspiration and diacritics
+    letters = unicodedata.normalize(
+        "NFD", bare.rstrip(":")
+    )  # without length, aspiration and diacritics
     plain = "".join(c for c in letters if unicodedata.category(c) not in ("Mn", "Lm", "Sk"))
     return _IPA.get(plain)
 

@@ -75,6 +75,8 @@ def test_damaged_words_are_refused(change: dict[str, Any], says: str) -> None:
         ("UW1", Lips.PUCKER),
         ("uː", Lips.PUCKER),
         ("tʃ", Lips.PROTRUDE),
+        ("dZ", Lips.PROTRUDE),  # SAMPA, as the next one
+        ("u:", Lips.PUCKER),
         ("AH0", None),
         ("s", None),
         ("", None),

@@ -100,6 +100,25 @@ def test_a_textgrid_of_words_alone_has_the_phonemes_of_the_dictionary(tmp_path: 
     assert [p.symbol for p in found.words[0].phonemes] == ["M", "AE", "P"]
 
 
+@pytest.mark.parametrize(
+    ("words", "symbols"),
+    [
+        ((("neu", "n OY"), ("Schuh", "S u:")), "n OY ʃ u:"),
+        ((("say", "S EY1"), ("zoo", "Z UW1")), "S EY1 Z UW1"),
+    ],
+    ids=["SAMPA", "ARPABET"],
+)
+def test_s_is_sh_only_where_all_symbols_are_those_of_sampa(
+    tmp_path: Path, words: tuple[tuple[str, str], ...], symbols: str
+) -> None:
+    for ending in (".TextGrid", ".json"):
+        path = tmp_path / f"words{ending}"
+        write_words(path, said(*words), 2.0)
+        found = read_words(path).transcript
+        assert found is not None
+        assert [p.symbol for _, p in found.phonemes()] == symbols.split()
+
+
 def test_webvtt_and_old_subtitles_are_read(tmp_path: Path) -> None:
     vtt = tmp_path / "a.vtt"
     vtt.write_text("WEBVTT\n\n00:00:01.000 --> 00:00:02.000\n<v Bob>Hi, <i>there</i>!\n")
