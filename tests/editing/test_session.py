@@ -13,7 +13,7 @@ from support.takes import make_livelink_csv
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
-from faceedit_app.core.regions import ACCOMPANYING_CHANNELS, REGIONS
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.request import affected
@@ -63,7 +63,8 @@ def test_channels_of_other_regions_and_carried_ones_never_change(mode: Mode) -> 
     session = session_by_networks(talking_clip(), mode=mode)
     session.add(offset("mouth_opening", 1.0, 1.3, 6.0))
     changed = (session.weights != session.take.clip.weights).any(axis=0)
-    along = (*ACCOMPANYING_CHANNELS, "eyeSquintLeft", "eyeSquintRight")  # with the mouth
+    with_mouth = {c for r in REGIONS for c in r.accompanying}
+    along = with_mouth | {"eyeSquintLeft", "eyeSquintRight"}
     assert set(np.flatnonzero(changed)) <= {*columns("lower"), *(ARKIT_INDEX[c] for c in along)}
     assert changed[columns("lower")].all()
 

@@ -13,7 +13,7 @@ from support.sessions import session_by_networks, session_by_rig, shipped_engine
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.names import canonical_channel
-from faceedit_app.core.regions import ACCOMPANYING_CHANNELS, MODELLED_CHANNELS
+from faceedit_app.core.regions import REGIONS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.request import SPILL
@@ -27,7 +27,7 @@ MOVES = (
 )
 
 # What an edit may change.
-EDITED = [ARKIT_INDEX[c] for c in (*MODELLED_CHANNELS, *ACCOMPANYING_CHANNELS)]
+EDITED = [ARKIT_INDEX[c] for r in REGIONS for c in (*r.channels, *r.accompanying)]
 CARRIED = [i for i in range(52) if i not in EDITED]
 
 pytestmark = pytest.mark.skipif(

@@ -19,11 +19,7 @@ from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.curves.value_range import LARGEST, SMALLEST
 from faceedit_app.ui.state.timeline import Timeline
 
-LEFT, MIDDLE, RIGHT = (
-    Qt.MouseButton.LeftButton,
-    Qt.MouseButton.MiddleButton,
-    Qt.MouseButton.RightButton,
-)
+LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
 _NOTCH = 120  # of the wheel, in Qt's units
 _TIME, _VALUES = 0, 1  # pyqtgraph's numbers of the axes
 
