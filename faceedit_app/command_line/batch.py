@@ -108,7 +108,7 @@ def batch(
 def _worked_on(
     tasks: list[Task], title: str, log: Log, jobs: int, scheduler: str | None, quiet: bool
 ) -> list[Outcome]:
-    """Work on takes, and say how far it is; the log is closed."""
+    """Work on takes and show progress; the log is closed at the end."""
     from faceedit_app.batch.workers import run
 
     try:
@@ -126,7 +126,7 @@ def _worked_on(
 
             return run(tasks, log, jobs, scheduler, report)
     except KeyboardInterrupt:
-        say("what is written stays; run the same command again to go on", to=sys.stderr)
+        say("what was written stays; run the same command again to go on", to=sys.stderr)
         raise
     finally:
         log.close()

@@ -173,7 +173,7 @@ def _draw(
 def _film(
     session: EditSession, output: Path, shot: Shot, sound: Path | None, film: Path | None
 ) -> None:
-    """Film a take, and say how far it is; without files for sound and film, those beside it."""
+    """Film a take and show progress; without files for sound and film, with those beside it."""
     from faceedit_app.editing.filming import film_take, media_of, shown_by
     from faceedit_app.formats.timing import format_rate
 

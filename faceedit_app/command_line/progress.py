@@ -1,4 +1,4 @@
-"""How far a command is, as a bar on standard error."""
+"""The progress of a command, as a bar on standard error."""
 
 from __future__ import annotations
 

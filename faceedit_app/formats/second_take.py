@@ -1,6 +1,6 @@
 """Notice that a table goes on with the rows of a second take.
 
-A timecode may jump back within a take, where a recorder was set anew: its rows follow one another.
+A timecode may jump back within a take, where a recorder was reset: its rows follow one another.
 A second take is known by times that begin again as the first ones did, or by a header within the
 table, after which the times do not go on. A header alone may also stand on each page of a print.
 """

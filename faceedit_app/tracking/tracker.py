@@ -156,7 +156,7 @@ def track_film(
     Args:
         path: the film.
         rig: the shipped character.
-        report: called in this thread with how far it is.
+        report: called in this thread with the progress.
         stopped: True gives up.
         face, choose: as in `read_landmarks`.
         settings: of the fit.

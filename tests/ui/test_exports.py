@@ -52,7 +52,7 @@ def choose_format(dialog: ExportDialog, key: str) -> None:
 def test_the_dialog_begins_with_the_layout_and_rate_of_the_take(dialog: ExportDialog) -> None:
     assert dialog.chosen.key == "livelink"
     assert dialog.options == Options()
-    assert "As the take came" in dialog.format.currentText()
+    assert "Same as the take" in dialog.format.currentText()
     assert dialog.chosen.is_own
     assert dialog.format.count() == len(out_formats()) + 1
     choose_format(dialog, "csv")

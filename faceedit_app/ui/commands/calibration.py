@@ -5,7 +5,7 @@ from __future__ import annotations
 from faceedit_app.ui.commands.workspace import Workspace
 
 OFFER = (
-    "This take is not neutral at rest: the {what}. You can take that away; blinks and words keep "
+    "This take is not neutral at rest: the {what}. You can remove that; blinks and words keep "
     "their height."
 )
 _WORDS = {"eyeBlink": "lids are half shut", "eyeSquint": "eyes squint", "jawOpen": "mouth is open"}

@@ -316,7 +316,7 @@ MENU: Menu[FileCommands] = Menu("&File", (
             "Show which shapes and points were found in your character, and correct them",
             needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
     Command("make_character", "Make from a &scan…", lambda do: do.character.ask_make(), (),
-            "Give a head without blendshapes all 52, from an OBJ, PLY, STL or GLB",
+            "Give a head without blendshapes (OBJ, PLY, STL or GLB) all 52 of them",
             submenu=CHARACTER),
     Command("close_on_character", "&Close on my character",
             lambda do: do.character.switch_closing(), (),

@@ -226,7 +226,7 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
     Command("find_word", "Find a wo&rd", lambda do: do.words.find(), ("Ctrl+F",),
             "Find a word and select its time", enabled=lambda do: do.words.has_words),
     Command("match_sound", "Match another so&und…", lambda do: do.retime.match_sound(),
-            tip="Retime the take so that it says its words when another sound says them",
+            tip="Retime the take so that it says its words when another sound does",
             enabled=lambda do: do.words.has_words),
     Command("remove_words", "Remove w&ords", lambda do: do.words.remove(),
             tip="Remove the words from the take; edits stay",

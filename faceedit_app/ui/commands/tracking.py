@@ -34,7 +34,7 @@ def suggested_take(film: Path) -> Path:
 
 
 class FilmTracking:
-    """Tracks one film in the background, while a dialog shows how far it is.
+    """Tracks one film in the background, while a dialog shows progress.
 
     Args:
         workspace: the window's state.

@@ -164,7 +164,7 @@ class TrackingDialog(QDialog):
         self.asked.connect(self._ask, Qt.ConnectionType.QueuedConnection)
 
     def report(self, progress: Progress) -> None:
-        """Show how far it is, at most 15 times a second."""
+        """Show progress, at most 15 times a second."""
         now = time.monotonic()
         if progress.picture is not None and now < self._next and progress.done < progress.of:
             return

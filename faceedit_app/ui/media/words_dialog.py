@@ -318,7 +318,7 @@ class _Job(QObject):
     """One search.
 
     Signals:
-        moved(float): how far it is, 0..1.
+        moved(float): progress, 0..1.
     """
 
     moved = Signal(float)

@@ -86,14 +86,14 @@ class ExportDialog(QDialog):
     def _format_box(self, own: OutFormat | None) -> Choice:
         self.format = Choice()
         for form in self._formats:
-            name = f"As the take came: {form.name}" if form == own else form.name
+            name = f"Same as the take: {form.name}" if form == own else form.name
             self.format.addItem(f"{name}  *{form.ending}")
         return self.format
 
     def _rate_box(self) -> Choice:
         self.rate = Choice()
         own = self._take.clip.rate
-        self.rate.addItem(f"As the take: {format_rate(own)}", None)
+        self.rate.addItem(f"Same as the take: {format_rate(own)}", None)
         for rate in COMMON_RATES:
             if abs(rate / own - 1) > 1e-4:
                 self.rate.addItem(format_rate(rate), rate)

@@ -58,7 +58,7 @@ class FilmDialog(QDialog):
         self.picture_size = Choice()
         form.addRow("Si&ze", self.picture_size)
         self.rate = Choice()
-        self.rate.addItem(f"As the take: {format_rate(rate)}", None)
+        self.rate.addItem(f"Same as the take: {format_rate(rate)}", None)
         for other in COMMON_RATES:
             if other <= _FASTEST and abs(other / rate - 1) > 1e-4:
                 self.rate.addItem(format_rate(other), other)
