@@ -288,7 +288,7 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     """Forget what the last gestures were."""
     line, mouse, fields = window.timeline, page.curves._mouse, page.curves.fields
     line._edits_falloffs, line._before, line.can_fade = (0.0, 0.0), None, True
-    window.playback._came_from = 0
+    window.playback._came_from, window.sound_player.problem = 0, ""
     window.commands.edit._clipboard = None
     window.commands.file.character._saved = None
     mouse.focused, mouse.plot, mouse.chosen = None, None, frozenset()

@@ -98,7 +98,7 @@ class Bench:
         self.take = make_livelink_csv(folder / "take.csv", seconds=3.0)
         monkeypatch.setattr(dialogs, "show_error", lambda _w, e: self.errors.append(str(e)))
         monkeypatch.setattr(dialogs, "show_exported", lambda _w, *said: self.exported.append(said))
-        self.preferences().set_hints_seen()
+        self.forget_preferences()
         monkeypatch.setattr(journal, "journal_folder", lambda: folder / "journals")
         monkeypatch.setattr(fingerprint, "SEARCH_SECONDS", 60.0)  # also on a busy machine
         for name in dir(dialogs):
@@ -134,6 +134,12 @@ class Bench:
     def preferences(self) -> Preferences:
         """Settings that no other test and no user sees."""
         return Preferences(QSettings(str(self.folder / "settings.ini"), QSettings.Format.IniFormat))
+
+    def forget_preferences(self) -> None:
+        """Forget all that was remembered but that the first steps were seen."""
+        preferences = self.preferences()
+        preferences._settings.clear()
+        preferences.set_hints_seen()
 
     def _patches(self) -> int:
         """How much is replaced."""
@@ -193,6 +199,7 @@ class Bench:
             return window
         renewal.close([window])
         self.renderers.clear()
+        self.forget_preferences()  # that a take was opened
         return None
 
     def renew(self, window: MainWindow, take: Path) -> None:

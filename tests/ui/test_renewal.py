@@ -62,8 +62,7 @@ def test_a_window_that_was_used_is_as_new(bench: Bench) -> None:
     shelf = renewal.Shelf()
     assert shelf.put(window)
     assert not shelf.put(window), "there is one"
-    (bench.folder / "settings.ini").unlink()
-    bench.preferences().set_hints_seen()
+    bench.forget_preferences()
     assert shelf.take() is window
     bench.renew(window, bench.take)
     assert renewal.differences(wanted, renewal.facts_of(window)) == []
