@@ -20,6 +20,7 @@ run: $(READY)
 # dies ends the run at once, with the name of its test: a new one would wait for ever. The programs
 # that tests start find all modules compiled, also where Python is set not to keep them.
 test: $(READY)
+	$(BIN)/python -m compileall -q -j 0 faceedit_app tests/support  # once, not in each process
 	QT_QPA_PLATFORM=offscreen PYTHONDONTWRITEBYTECODE= \
 		$(BIN)/python -m pytest -n auto --dist worksteal --max-worker-restart 0
 

@@ -17,7 +17,7 @@ from faceedit_app.tracking.tracker import Tracked, eye_rotations, track_film
 
 pytestmark = needs_tracker
 
-STILL = np.zeros((8, len(ARKIT_INDEX)), np.float32)
+STILL = np.zeros((5, len(ARKIT_INDEX)), np.float32)
 
 
 def opening(weights: NDArray[np.floating]) -> NDArray[np.float32]:
