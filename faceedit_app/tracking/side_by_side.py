@@ -31,6 +31,7 @@ _ROWS = 4  # of the picture
 _VISIBLE = 0.5  # mm by which an edit changes a curve
 _MARGIN = 3.2  # of the square around the face, in heights from the brows to the lower lip
 _GAP = 0.35  # how bright the face is while the film shows none
+_KEPT = 4  # faces that were drawn last
 _SHARP = 2  # lines are drawn so many times as large and scaled down
 
 
@@ -219,6 +220,7 @@ class _Columns:
         self.film = Film(shown.film)
         self._square: tuple[float, float, float] | None = None
         self._renderer: FaceRenderer | None = None
+        self._drawn: dict[bytes, Pixels] = {}  # faces, by their weights
 
     def __enter__(self) -> _Columns:
         self._renderer = open_renderer(self._rig, HEIGHT, HEIGHT)
@@ -231,12 +233,13 @@ class _Columns:
 
     def picture(self, index: int) -> Pixels:
         """(HEIGHT, n HEIGHT, 3): film with landmarks, tracked and edited face."""
-        # In a gap the nearest face is shown, darkened.
-        faces = [
-            self._face(face.weights[face.rows[index]], 1.0 if face.is_there[index] else _GAP)
-            for face in self._shown.faces
-        ]
-        return np.concatenate([self._seen(index), *faces], axis=1)
+        columns = [self._seen(index)]
+        for face in self._shown.faces:
+            drawn = self._face(face.weights[face.rows[index]])
+            # In a gap the nearest face is shown, darkened.
+            shade = 1.0 if face.is_there[index] else _GAP
+            columns.append((drawn * shade).astype(np.uint8))
+        return np.concatenate(columns, axis=1)
 
     def _seen(self, index: int) -> Pixels:
         film = Image.fromarray(np.ascontiguousarray(self.film.picture(index)[..., 2::-1]))
@@ -253,11 +256,18 @@ class _Columns:
             cut = draw_landmarks(cut, points * (HEIGHT / (2 * half)))
         return np.asarray(cut)
 
-    def _face(self, weights: Floats, shade: float) -> Pixels:
-        assert self._renderer is not None
-        vertices = self._rig.vertices(self._rig.from_arkit(weights))
-        drawn = self._renderer.draw(vertices, default_camera(self._rig))
-        return (drawn[..., 2::-1] * shade).astype(np.uint8)
+    def _face(self, weights: Floats) -> Pixels:
+        """(HEIGHT, HEIGHT, 3) of weights (52,) in ARKit's order."""
+        key = weights.tobytes()
+        # Most of a take is not edited: there the faces are the same.
+        if key not in self._drawn:
+            assert self._renderer is not None
+            vertices = self._rig.vertices(self._rig.from_arkit(weights))
+            drawn = self._renderer.draw(vertices, default_camera(self._rig))
+            if len(self._drawn) == _KEPT:
+                self._drawn.pop(next(iter(self._drawn)))
+            self._drawn[key] = drawn[..., 2::-1].copy()
+        return self._drawn[key]
 
 
 def _square(shown: SideBySide, size: tuple[int, int]) -> tuple[float, float, float]:
