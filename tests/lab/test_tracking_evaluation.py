@@ -53,12 +53,14 @@ def test_films_without_a_closure_have_no_rates() -> None:
     none = float("nan")
     nothing, some = (none, none, none), (1.0, 0.1, 0.0)
     shut = (nothing, some, nothing, some)
-    one = TrackingFigures("A", "B", FULL, zeros, zeros, *shut, 0.0, 0.0, 0.0)
+    one = TrackingFigures("A", "B", FULL, zeros, zeros, *shut, 0.0, 0.0, 0.0, none, some)
     cells = ["– / – (–)", "– / – (–)", "1.00 / 0.10 (0.00)", "1.00 / 0.10 (0.00)"]
     assert f"| {' | '.join(cells)} |" in table([one])
+    assert table([one]).endswith("| – | 1.00 / 0.10 (0.00) |")
     (facts,) = as_json([one])
     assert facts["lips"] == facts["lip_events"] == [None, None, None]
-    assert facts["lids"] == [1.0, 0.1, 0.0]
+    assert facts["lids"] == facts["near_lips"] == [1.0, 0.1, 0.0]
+    assert facts["open_taken"] is None
 
 
 def test_closures_are_counted_by_frames_and_by_events() -> None:
@@ -84,7 +86,7 @@ def test_our_fit_is_better_than_the_networks_weights(tmp_path: Path) -> None:
     figures = evaluate_tracking([tmp_path / "take.csv"], 1.6, [Conditions("small", size=320)])
     assert [one.method for one in figures] == list(METHODS)
     true, network, _, full = figures
-    assert max(true.error) == 0.0
+    assert max(true.error) == true.open_taken == 0.0
     assert full.method == FULL
     assert np.mean(full.error[-2:]) < np.mean(network.error[-2:])
     assert abs(full.lag) < 0.5

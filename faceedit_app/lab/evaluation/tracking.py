@@ -50,6 +50,7 @@ from faceedit_app.tracking.tracker import fit_landmarks
 TRUE, NETWORK, EACH, FULL = "true weights", "network", "each picture", "over time"
 METHODS = (TRUE, NETWORK, EACH, FULL)
 _SHUT = 2.0  # mm between lips or lids that count as shut
+_TOUCHING = 3.0  # mm between lips that hardly open; at rest, our character's are 1.3 mm apart
 _NEAR = 0.5  # mm above that; what is measured is not more exact
 _FARTHEST_LAG = 4  # frames
 _FINE = 20  # steps in a frame when the lag is measured
@@ -100,6 +101,8 @@ class TrackingFigures:
         lag: frames by which the mouth's opening is late.
         jitter: how much more the lips shake at rest than in truth, mm per frame².
         lost: share of the pictures that are gaps.
+        open_taken: share of the frames with open lips that count as shut.
+        near_lips: as `lips`, of lips that are nearer than 3 mm.
     """
 
     character: str
@@ -114,6 +117,8 @@ class TrackingFigures:
     lag: float
     jitter: float
     lost: float
+    open_taken: float
+    near_lips: Rates
 
 
 def evaluate_tracking(
@@ -210,6 +215,8 @@ def _figures(
     truth = np.concatenate([film[1] for film in films]).astype(np.float64)
     opening = CONTROL_INDEX[LIP_OPENING]
     lips, lip_events = _shut(films, [opening])
+    near_lips, _ = _shut(films, [opening], _TOUCHING)
+    is_open = truth[:, opening] >= _SHUT
     lids, lid_events = _shut(films, [CONTROL_INDEX[lid] for lid in LIDS])
     return TrackingFigures(
         character,
@@ -224,18 +231,20 @@ def _figures(
         float(np.mean([lag(f[:, opening], t[:, opening]) for f, t, _ in films])),
         _jitter(found[:, opening], truth[:, opening]),
         float(np.mean([lost for _, _, lost in films])),
+        float((found[is_open, opening] < _SHUT).mean()) if is_open.any() else float("nan"),
+        near_lips,
     )
 
 
 def _shut(
-    films: Sequence[tuple[Floats, Floats, float]], columns: Sequence[int]
+    films: Sequence[tuple[Floats, Floats, float]], columns: Sequence[int], below: float = _SHUT
 ) -> tuple[Rates, Rates]:
-    """The rates of frames and of events in which lips or lids are shut."""
+    """The rates of frames and of events in which lips or lids are nearer than `below` mm."""
     frames = events = ShutCounts(0, 0, 0, 0)
     for found, truth, _ in films:
         for column in columns:
             mine, theirs = (x[:, column].astype(np.float64) for x in (found, truth))
-            some, runs = shut_counts(mine, theirs, _SHUT, _NEAR)
+            some, runs = shut_counts(mine, theirs, below, _NEAR)
             frames, events = frames + some, events + runs
     return frames.rates, events.rates
 
@@ -272,8 +281,9 @@ def table(figures: Sequence[TrackingFigures]) -> str:
     rows = [
         "| character | film | method | lips, mm | lips from rest | lids | lids from rest | others "
         "| others from rest | lips shut TPR / FPR (far) | by event | lids shut TPR / FPR (far) "
-        "| by event | lag | jitter | lost |",
-        "|" + "---|" * 16,
+        "| by event | lag | jitter | lost | open lips taken for shut "
+        "| lips within 3 mm TPR / FPR (far) |",
+        "|" + "---|" * 18,
     ]
     for one in figures:
         error, moved = np.array(one.error), np.array(one.moved)
@@ -291,6 +301,8 @@ def table(figures: Sequence[TrackingFigures]) -> str:
             f"{one.lag:+.2f}",
             f"{one.jitter:.2f}",
             f"{one.lost:.0%}",
+            "–" if math.isnan(one.open_taken) else f"{one.open_taken:.1%}",
+            _rates(one.near_lips),
         ]
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows)
@@ -309,7 +321,9 @@ def as_json(figures: Sequence[TrackingFigures]) -> list[dict[str, Any]]:
         facts = asdict(one)
         for key in ("error", "moved"):
             facts[key] = dict(zip(CONTROL_IDS, facts[key], strict=True))
-        for key in ("lips", "lids", "lip_events", "lid_events"):  # JSON has no NaN
+        for key in ("lips", "lids", "lip_events", "lid_events", "near_lips"):  # JSON has no NaN
             facts[key] = [None if math.isnan(rate) else rate for rate in facts[key]]
+        if math.isnan(one.open_taken):
+            facts["open_taken"] = None
         out.append(facts)
     return out
