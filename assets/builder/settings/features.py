@@ -129,7 +129,7 @@ class Brows:
     angle_spread: float = 6.0
     length_spread: tuple[float, float] = (0.8, 1.15)
     brightness: tuple[float, float] = (0.75, 1.35)
-    cover: tuple[float, ...] = (0.5, 0.95, 0.1)  # of the root, the widest place and the tip
+    cover: tuple[float, ...] = (0.7, 1.0, 0.25)  # of the root, the widest place and the tip
     # The band of fine hair under them. Along the brow: from, to and in how many columns. Rows:
     # place across, as a share of half the thickness, and cover. Cover along the brow.
     down_along: tuple[float, float, int] = (-0.06, 1.02, 13)
@@ -144,7 +144,7 @@ class Brows:
         (1.02, 0.4),
     )
     # Skin that shows through it: where nothing can be sheer, it is a light brow.
-    down_skin: float = 0.3
+    down_skin: float = 0.15
     down_lift: float = 0.15  # over the skin
     seed: int = 3
 
