@@ -23,7 +23,7 @@ _IN_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software")
 def memory_of(window: MainWindow) -> float:
     """The memory of this process now, in megabytes, without pictures and mapped files.
 
-    Pictures take 10 to 130 MB, by the size of the window and of the face in it: more than a leak
+    Pictures take 10 to 150 MB, by the size of the window and of the face in it: more than a leak
     would in an hour. Only those in use are left out: one that is not freed counts. Garbage, and
     freed memory that the allocator keeps for later, are no growth either.
     """
