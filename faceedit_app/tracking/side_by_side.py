@@ -32,6 +32,7 @@ _VISIBLE = 0.5  # mm by which an edit changes a curve
 _MARGIN = 3.2  # of the square around the face, in heights from the brows to the lower lip
 _GAP = 0.35  # how bright the face is while the film shows none
 _KEPT = 4  # faces that were drawn last
+_AROUND = 4  # pixels around the landmarks that are drawn
 _SHARP = 2  # lines are drawn so many times as large and scaled down
 
 
@@ -166,18 +167,27 @@ def write_side_by_side(
 
 def draw_landmarks(image: Image.Image, points: Doubles) -> Image.Image:
     """A picture with the landmarks (478, 2 or 3), pixels, drawn over it."""
-    width, height = image.size
-    large = image.resize((width * _SHARP, height * _SHARP), Image.Resampling.BICUBIC)
+    # Only the part of the picture where they are is scaled, which takes long.
+    low = np.floor(points[list(DRAWN), :2].min(axis=0)).astype(int) - _AROUND
+    high = np.ceil(points[list(DRAWN), :2].max(axis=0)).astype(int) + _AROUND
+    low, high = np.maximum(low, 0), np.minimum(high, image.size)
+    if (low >= high).any():
+        return image
+    box = (*low.tolist(), *high.tolist())
+    part = image.crop(box)
+    width, height = part.size
+    large = part.resize((width * _SHARP, height * _SHARP), Image.Resampling.BICUBIC)
     draw = ImageDraw.Draw(large)
     for stroke in STROKES:
-        places = [(x * _SHARP, y * _SHARP) for x, y in places_of(points, stroke).tolist()]
+        places = [tuple(place) for place in (_SHARP * (places_of(points, stroke) - low)).tolist()]
         draw.line(places, fill=stroke.color, width=_SHARP)
         if stroke.is_control:
             for x, y in places:
                 radius = 2 * _SHARP
-                box = (x - radius, y - radius, x + radius, y + radius)
-                draw.ellipse(box, fill=stroke.color)
-    return large.resize((width, height), Image.Resampling.LANCZOS)
+                draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=stroke.color)
+    drawn = image.copy()
+    drawn.paste(large.resize((width, height), Image.Resampling.LANCZOS), box[:2])
+    return drawn
 
 
 def _sound(film: Path) -> Soundtrack | None:
