@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from faceedit_app.core.privacy import send_no_telemetry
 from faceedit_app.core.threads import use_one_thread
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["Take", "__version__", "open"]
 __version__ = "0.1.0"
 
+send_no_telemetry()
 use_one_thread()
 
 

@@ -159,8 +159,8 @@ def session(content: bytes) -> ort.InferenceSession:
 
 @cache
 def _prepare() -> None:
-    """Limit the memory of all sessions, and turn off telemetry."""
-    ort.disable_telemetry_events()
+    """Limit the memory of all sessions."""
+    ort.disable_telemetry_events()  # also where the variable of `core/privacy.py` is not read
     kind = ort.OrtAllocatorType.ORT_ARENA_ALLOCATOR
     memory = ort.OrtMemoryInfo("Cpu", kind, 0, ort.OrtMemType.DEFAULT)
     ort.create_and_register_allocator(memory, ort.OrtArenaCfg({"max_mem": MEMORY}))
