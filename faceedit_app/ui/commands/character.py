@@ -298,9 +298,7 @@ class CharacterCommands:
                 self._document.use_character(again)
 
         def failed(error: Exception) -> None:
-            if not isinstance(error, FaceEditError):
-                raise error
-            dialogs.show_error(self._workspace.window, error)
+            dialogs.show_failure(self._workspace.window, error)
             self._refresh()
 
         read = character.character

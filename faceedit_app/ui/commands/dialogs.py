@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.commands.file_dialogs import open_name, save_name
 from faceedit_app.ui.look.texts import plain_entry, plain_tip, sentence
@@ -355,6 +356,13 @@ def show_error(parent: QWidget | None, error: Exception | str) -> None:
     box.setTextFormat(Qt.TextFormat.PlainText)  # a path may look like a tag
     box.setText(str(error))
     _clicked(box)
+
+
+def show_failure(parent: QWidget | None, error: Exception) -> None:
+    """Show why something failed; raise what is no fault of a file or the user."""
+    if not isinstance(error, FaceEditError):
+        raise error
+    show_error(parent, error)
 
 
 def _question(parent: QWidget, message: str, more: str) -> QMessageBox:

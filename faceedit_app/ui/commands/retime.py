@@ -201,9 +201,7 @@ class RetimeCommands:
         self._workspace.background.run(read, done, self._failed)
 
     def _failed(self, error: Exception) -> None:
-        if not isinstance(error, FaceEditError):
-            raise error
-        dialogs.show_error(self._workspace.window, error)
+        dialogs.show_failure(self._workspace.window, error)
 
     def _ask_their_words(self, sound: Sound) -> None:
         """Ask what the other sound says; at first what the take says."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
@@ -135,9 +134,7 @@ class SpliceCommands:
         self._workspace.offer.emit(text, "Open it", open_it)
 
     def _failed(self, error: Exception) -> None:
-        if not isinstance(error, FaceEditError):
-            raise error
-        dialogs.show_error(self._workspace.window, error)
+        dialogs.show_failure(self._workspace.window, error)
 
     def _open(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
         """Open the new take with its words; inserted time is selected, ready to be filled."""

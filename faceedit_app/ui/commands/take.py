@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.take import Take
@@ -160,9 +159,7 @@ class TakeCommands:
             self._workspace.message.emit(f"Wrote {written[1]} and {written[0].name}")
 
         def failed(error: Exception) -> None:
-            if not isinstance(error, FaceEditError):
-                raise error
-            dialogs.show_error(self._workspace.window, error)
+            dialogs.show_failure(self._workspace.window, error)
 
         self._side_by_side.start(output.name, "Writing", work, done, failed)
 
