@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-import multiprocessing
 import os
 import signal
-import threading
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +14,7 @@ from typing import Any
 import pytest
 from support.character_files import parts_of, write_glb
 from support.places import ROOT
-from support.takes import make_livelink_csv, make_plain_csv
+from support.takes import make_livelink_csv
 
 from faceedit_app.batch import workers
 from faceedit_app.batch.log import Log, to_do
@@ -24,26 +22,12 @@ from faceedit_app.batch.recipe import Recipe, parse_recipe
 from faceedit_app.batch.report import write_reports
 from faceedit_app.batch.tasks import LOG, Outcome, Task, perform, plan
 from faceedit_app.cli import main
-from faceedit_app.command_line import ctrl_c
-from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.files.project import Project, write_project
 from faceedit_app.editing.opening import open_session
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.opening import open_take
 
 DEMO = ROOT / "assets" / "demo_take.csv"
-
-
-@pytest.fixture
-def takes(tmp_path: Path) -> Path:
-    """A folder with three takes, one of them damaged, and a file that is none."""
-    folder = tmp_path / "takes"
-    (folder / "day 2").mkdir(parents=True)
-    make_livelink_csv(folder / "a.csv")
-    (folder / "bad.csv").write_text("jawOpen\n0.1\nmany\n")
-    make_plain_csv(folder / "day 2" / "b.csv")
-    (folder / "notes.json").write_text("{}")
-    return folder
 
 
 def edits_in(folder: Path) -> Path:
@@ -273,47 +257,6 @@ def test_several_processes_give_the_same_bytes(takes: Path, tmp_path: Path, mode
     assert len(outcomes_in(tmp_path / "two")) == 3
 
 
-def test_a_process_that_ends_takes_no_other_take_with_it(
-    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, models: str
-) -> None:
-    monkeypatch.setattr(workers, "perform", _ends_at_bad)
-    tasks, _ = plan(takes, tmp_path / "out", Recipe(models=models))
-    found = {one.name: one for one in workers.run_here(tasks, 2)}
-    assert set(found) == {"a.csv", "bad.csv", "day 2/b.csv"}
-    assert [name for name, one in found.items() if one.error] == ["bad.csv"]
-    assert "try this take alone" in found["bad.csv"].error
-
-
-def test_ctrl_c_ends_all_processes_at_once_and_tidies_up(
-    takes: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(workers, "perform", _is_stopped)
-    (tmp_path / "out").mkdir()
-    tasks, _ = plan(takes, tmp_path / "out", Recipe())
-    others = multiprocessing.active_children()
-    with pytest.raises(KeyboardInterrupt), ctrl_c.heard():
-        list(workers.run_here(tasks[:1], 2))
-    assert multiprocessing.active_children() == others
-    assert not tasks[0].output.exists()
-
-
-def _is_stopped(task: Task) -> Outcome:
-    """Ctrl+C comes in the middle of a task that would never end."""
-    try:
-        task.output.touch()
-        os.kill(os.getppid(), signal.SIGINT)
-        threading.Event().wait()
-    finally:
-        task.output.unlink()
-    return Outcome(task.name)
-
-
-def _ends_at_bad(task: Task) -> Outcome:
-    if "bad" in task.name:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return Outcome(task.name)
-
-
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -393,13 +336,6 @@ def _killer(workers: list[int]) -> Callable[[Outcome, int, int], None]:
             os.kill(workers[0], signal.SIGKILL)
 
     return progress
-
-
-def test_a_cluster_that_does_not_answer_is_said_in_one_line(takes: Path, tmp_path: Path) -> None:
-    pytest.importorskip("dask.distributed", reason="Dask is not installed")
-    tasks, _ = plan(takes, tmp_path / "out", Recipe())
-    with pytest.raises(FaceEditError, match="--scheduler nonsense: does not answer"):
-        list(workers.run_on_cluster(tasks, "nonsense"))
 
 
 def test_a_take_without_a_rate_says_which_option_gives_it(tmp_path: Path, models: str) -> None:
