@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import sys
@@ -36,7 +37,11 @@ def heard() -> Iterator[None]:
             raise KeyboardInterrupt
 
     def again() -> None:
-        if not is_over.is_set():
+        if is_over.is_set():
+            return
+        if sys.platform == "win32":  # where os.kill ends the process
+            _thread.interrupt_main()
+        else:
             os.kill(os.getpid(), signal.SIGINT)
 
     repeated: list[threading.Timer] = []
