@@ -64,7 +64,7 @@ def test_export_has_the_same_bytes_on_any_number_of_threads(kernels: str) -> Non
         (order, threads): exported(
             order, OPENBLAS_CORETYPE=kernels, OPENBLAS_NUM_THREADS=str(threads)
         )
-        for order, threads in zip((*ORDERS, ORDERS[0]), (4, 2, 4, 1), strict=True)
+        for order, threads in zip(ORDERS, (4, 2, 1), strict=True)
     }
     assert len(set(found.values())) == 1, found
 
