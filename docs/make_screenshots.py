@@ -30,6 +30,7 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIDS, MOUTH_WIDTH
 from faceedit_app.core.resources import DEMO_TAKE, shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files import journal
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.evaluation.film_file import write_film
@@ -69,7 +70,11 @@ def main() -> None:
     (DOCS / "shortcuts.md").write_text(shortcuts(), encoding="utf-8")
     close_ups(shipped_rig()).save(PICTURES / "character.webp", quality=82)
     application()
-    with tempfile.TemporaryDirectory() as folder:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        # Otherwise a window would ask about edits of the user's that a crash has left.
+        patch.object(journal, "journal_folder", lambda: Path(folder) / "journals"),
+    ):
         settings = QSettings(str(Path(folder) / "s.ini"), QSettings.Format.IniFormat)
         window = MainWindow(Preferences(settings))
         window.resize(*SIZE)
