@@ -1,7 +1,7 @@
 """Nothing is sent to anybody, unless the user asks for it.
 
-From version 1.32 on, ONNX Runtime collects data about its use on Linux as well. When it is imported, it
-writes an identifier of the machine into the home folder.
+From version 1.32 on, ONNX Runtime collects data about its use on Linux as well. When it is
+imported, it writes an identifier of the machine into the home folder.
 """
 
 from __future__ import annotations
