@@ -14,11 +14,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QObject, QPoint, QPointF, QRect, QRectF, QSize, QTimer, SignalInstance
+import pyqtgraph as pg
+from PySide6.QtCore import (
+    QObject,
+    QPoint,
+    QPointF,
+    QRect,
+    QRectF,
+    QSize,
+    Qt,
+    QTimer,
+    SignalInstance,
+)
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractSlider,
+    QApplication,
     QComboBox,
     QDialog,
     QDockWidget,
@@ -82,17 +94,10 @@ def _parts(above: str, thing: QObject) -> Iterator[tuple[str, QObject]]:
     """It and all below it, by names that do not depend on what lies upon what."""
     yield above, thing
     counts: Counter[str] = Counter()
-    if isinstance(thing, QWidget) and thing.isHidden() and not _is_page(thing):
-        return  # what is in it gets its state when it is shown
     for child in thing.children():
         kind = f"{type(child).__name__} {child.objectName()}"
         counts[kind] += 1
         yield from _parts(f"{above}/{kind} {counts[kind]}", child)
-
-
-def _is_page(widget: QWidget) -> bool:
-    """Whether it is hidden by another page, rather than by itself."""
-    return isinstance(widget.parentWidget(), QStackedWidget)
 
 
 def _shown(thing: QObject) -> Hashable:
@@ -103,18 +108,36 @@ def _shown(thing: QObject) -> Hashable:
         return thing.interval()
     if not isinstance(thing, QWidget):
         return None
-    is_hidden = not thing.isVisible()
-    place: Hashable = None  # what is hidden gets its own when it is shown
-    if not is_hidden:
+    if not thing.isVisible() and not _is_on_a_page(thing):
+        return thing.isHidden()  # the rest is set when it is shown
+    place: Hashable = None
+    if thing.isVisible():
         place = repr(thing.size()) if thing.isWindow() else repr(thing.geometry())
-    common = is_hidden, place, thing.isEnabled(), thing.hasFocus(), _anywhere(thing.toolTip())
+    common = (
+        thing.isHidden(),
+        place,
+        thing.isEnabled(),
+        thing.hasFocus(),
+        _anywhere(thing.toolTip()),
+    )
     return common, thing.accessibleDescription(), _content(thing)
+
+
+def _is_on_a_page(widget: QWidget) -> bool:
+    """Whether another page hides it, but nothing on its own page."""
+    place: QWidget | None = widget
+    while place is not None and not isinstance(place.parentWidget(), QStackedWidget):
+        if place.isHidden():
+            return False
+        place = place.parentWidget()
+    return place is not None
 
 
 def _seen_in(scene: QGraphicsScene) -> Hashable:
     """What is seen in a plot or on a strip, from front to back, and at which scale."""
-    views = [item.viewRange() for item in scene.items() if isinstance(item, TimeView)]
-    return repr(views), tuple(type(item).__name__ for item in scene.items() if item.isVisible())
+    views = [item for item in scene.items() if isinstance(item, TimeView)]
+    ranges = repr([(view.viewRange(), view._is_held) for view in views])
+    return ranges, tuple(type(item).__name__ for item in scene.items() if item.isVisible())
 
 
 def _anywhere(text: str) -> str:
@@ -217,9 +240,11 @@ class Shelf:
 
 
 def _is_of_use(window: MainWindow) -> bool:
-    """Whether it still works, nothing works for it, and it has no windows of its own."""
+    """Whether it still works, nothing works for it, and it has neither windows nor the mouse."""
     return (
         isValid(window)
+        and QApplication.mouseButtons() == Qt.MouseButton.NoButton
+        and QApplication.activePopupWidget() is None
         and window.isVisible()
         and window.editor is not None
         and window.document.session is not None
@@ -301,6 +326,12 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     proposal = page.proposal
     proposal._name, proposal.problem, proposal.is_for_all = "", None, False
     proposal.variation, proposal._variations = 0, ()
+    for scene in window.findChildren(pg.GraphicsScene):  # where the mouse was last, and clicked
+        if (held := scene.mouseGrabberItem()) is not None:
+            held.ungrabMouse()
+        scene.clickEvents, scene.dragButtons = [], []
+        scene.dragItem = scene.lastDrag = scene.lastHoverEvent = None
+        scene.hoverItems.clear()
 
 
 def close(windows: Iterable[MainWindow]) -> None:
