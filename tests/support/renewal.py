@@ -84,7 +84,8 @@ def facts_of(window: MainWindow) -> Facts:
         if isinstance(thing, QGraphicsScene):
             facts[name] = _seen_in(thing)
         else:
-            facts[name] = _shown(thing)
+            if (shown := _shown(thing)) is not None:
+                facts[name] = shown
             if is_ours:
                 _add_held(facts, name, thing)
     return facts
@@ -106,10 +107,10 @@ def _shown(thing: QObject) -> Hashable:
         return thing.text(), thing.isEnabled(), thing.isChecked(), thing.isVisible()
     if isinstance(thing, QTimer):
         return thing.interval()
-    if not isinstance(thing, QWidget):
-        return None
+    if not isinstance(thing, QWidget) or thing.objectName().startswith("qt_scrollarea_"):
+        return None  # what Qt makes when it is first needed
     if not thing.isVisible() and not _is_on_a_page(thing):
-        return thing.isHidden()  # the rest is set when it is shown
+        return None  # it is set when it is shown
     place: Hashable = None
     if thing.isVisible():
         place = repr(thing.size()) if thing.isWindow() else repr(thing.geometry())
@@ -325,7 +326,7 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     page.edits._is_new = False
     proposal = page.proposal
     proposal._name, proposal.problem, proposal.is_for_all = "", None, False
-    proposal.variation, proposal._variations = 0, ()
+    proposal.variation, proposal._variations, proposal.text.short = 0, (), ""
     for scene in window.findChildren(pg.GraphicsScene):  # where the mouse was last, and clicked
         if (held := scene.mouseGrabberItem()) is not None:
             held.ungrabMouse()
