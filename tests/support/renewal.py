@@ -320,6 +320,7 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     mouse.focused, mouse.plot, mouse.chosen = None, None, frozenset()
     mouse._x = mouse._shown = 0.0
     mouse._came_from = 0
+    mouse._timer.setInterval(0)  # as long as the last preview had to wait
     fields._setting, fields._made = None, None
     fields._typed.clear()
     page.curves.range_bar._before = page.curves.range_bar._hovered = None
