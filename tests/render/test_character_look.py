@@ -202,7 +202,7 @@ def test_an_eyeball_darkens_where_a_lid_comes_near(renderer: FaceRenderer, rig: 
 def test_teeth_are_darker_behind_lips_that_have_just_parted(
     renderer: FaceRenderer, rig: Rig
 ) -> None:
-    """The same teeth, which stay where they are; those at the sides lie deeper."""
+    """The same teeth, which stay where they are."""
     camera, light, seen = aimed_camera(rig, Aim.MOUTH), [], []
     for share in (0.3, 1.0):
         shown = {f"mouth{lip}{side}": share for lip in ("UpperUp", "LowerDown") for side in SIDES}
@@ -210,7 +210,7 @@ def test_teeth_are_darker_behind_lips_that_have_just_parted(
         seen.append(_only(renderer, rig, ("teeth",), **shown))
     both = np.logical_and(*seen)
     assert both.sum() > 300
-    assert np.quantile(light[0][both] / light[1][both], 0.25) < 0.92
+    assert np.median(light[0][both] / light[1][both]) < 0.85
 
 
 def test_what_one_can_see_through_is_drawn_after_what_it_covers(rig: Rig) -> None:

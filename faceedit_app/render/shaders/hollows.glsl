@@ -36,6 +36,8 @@ float between_lips(vec3 place) {
     float deep = max(dot(middle - place, head[2]) - 0.007, 0.0);
     float light = open / (open + 0.29 * deep);
     light *= mix(0.85, 1.0, smoothstep(-0.002, 0.003, dot(lips[0].xyz - place, up)));
+    // Through slits beside lips that meet in the middle, hardly any arrives.
+    light *= mix(0.2, 1.0, smoothstep(0.001, 0.007, gap));
     // What lies as high as the eyes is no part of the mouth.
     float outside = smoothstep(0.8, 1.0, dot(place - middle, up) / width);
     return mix(1.0, light, lips[0].w * lips[2].w * (1.0 - outside));
