@@ -87,7 +87,7 @@ def build_brow_down(side: str, arch: BrowArch, skin: Part, surface: Surface) -> 
     t = np.linspace(start, stop, columns)
     rows = np.array(BROWS.down_rows)
     x = arch.start + t * (arch.stop - arch.start)
-    height = arch.height(x) + rows[:, :1] * _thickness(t) / 2
+    height = arch.height(x) + rows[:, :1] * _thickness(t) / 2 * table(BROWS.down_taper, t)
     points = np.stack([np.broadcast_to(x, height.shape), height], axis=-1).reshape(-1, 2)
     anchors = surface.anchor(project_front(surface.mesh, points * flip))
     faces = bridge_rows(len(rows), columns, closed=False)

@@ -143,7 +143,8 @@ class Brows:
         (0.35, 0.85),
         (1.02, 0.4),
     )
-    # Skin that shows through it: where nothing can be sheer, it is a light brow.
+    # It narrows at its ends, and skin shows through it: other programs may draw it without cover.
+    down_taper: tuple[tuple[float, float], ...] = ((-0.06, 0.3), (0.1, 0.9), (0.4, 1), (1.02, 0.7))
     down_skin: float = 0.15
     down_lift: float = 0.15  # over the skin
     seed: int = 3
