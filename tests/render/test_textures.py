@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support.faces import shipped_rig
 
+from faceedit_app.characters.fitted import open_character
+from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import default_camera
@@ -96,3 +99,11 @@ def test_vertices_of_one_group_have_one_normal() -> None:
     together = NormalSolver(faces, 6, groups=np.array([0, 1, 2, 0, 2, 3], np.int32))(vertices)
     np.testing.assert_allclose(together[0], together[3])
     np.testing.assert_allclose(np.linalg.norm(together, axis=1), 1, atol=1e-6)
+
+
+def test_what_a_file_calls_opaque_hides_all_whatever_its_alpha(tmp_path: Path) -> None:
+    """As our own character's hair, whose file says so for programs that cannot sort it."""
+    own = shipped_rig()
+    assert own.colors[:, 3].min() < 0.5
+    write_rig(tmp_path / "head.glb", own)
+    assert open_character(tmp_path / "head.glb").rig.colors[:, 3].min() == 1.0
