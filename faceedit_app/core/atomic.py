@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import filecmp
 import itertools
 import os
@@ -109,6 +110,8 @@ def not_written(path: Path | str, error: OSError) -> FileError:
     if isinstance(error, FileNotFoundError) and not on_disk.exists(Path(path).parent):
         problem = "cannot be written (its folder does not exist)"
         return FileError(path, problem, "make the folder, or choose another one")
+    if error.errno == errno.ENAMETOOLONG:
+        return FileError(path, "has too long a name", "choose a shorter one")
     reason = reason_of(error)
     return FileError(
         path, f"cannot be written ({reason})", "choose another folder or free some space"

@@ -271,7 +271,7 @@ class _Seeing:
         if len(boxes) < 2:
             return None
         if self._choose is None:
-            said = f"it shows {len(boxes)} faces: the largest was followed; --face follows another"
+            said = f"it shows {len(boxes)} faces: the largest was followed, as no place was given"
             self.seen = replace(self.seen, remarks=(*self.seen.remarks, said))
             return None
         left, top, right, bottom = boxes[self._choose(Faces(picture, boxes))].tolist()

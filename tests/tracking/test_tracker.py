@@ -275,7 +275,7 @@ def test_of_several_faces_in_the_first_picture_the_user_chooses(
     largest = read_landmarks(film, landmarker)
     assert (largest.points[:, 1, 0] < SIZE).all()
     assert largest.remarks == (
-        "it shows 2 faces: the largest was followed; --face follows another",
+        "it shows 2 faces: the largest was followed, as no place was given",
     )
 
 

@@ -298,7 +298,7 @@ class CharacterCommands:
                 self._document.use_character(again)
 
         def failed(error: Exception) -> None:
-            dialogs.show_failure(self._workspace.window, error)
+            dialogs.report_failure(self._workspace.window, error)
             self._refresh()
 
         read = character.character

@@ -358,7 +358,7 @@ def show_error(parent: QWidget | None, error: Exception | str) -> None:
     _clicked(box)
 
 
-def show_failure(parent: QWidget | None, error: Exception) -> None:
+def report_failure(parent: QWidget | None, error: Exception) -> None:
     """Show why something failed; raise what is no fault of a file or the user."""
     if not isinstance(error, FaceEditError):
         raise error

@@ -201,7 +201,7 @@ class RetimeCommands:
         self._workspace.background.run(read, done, self._failed)
 
     def _failed(self, error: Exception) -> None:
-        dialogs.show_failure(self._workspace.window, error)
+        dialogs.report_failure(self._workspace.window, error)
 
     def _ask_their_words(self, sound: Sound) -> None:
         """Ask what the other sound says; at first what the take says."""

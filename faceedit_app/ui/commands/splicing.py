@@ -134,7 +134,7 @@ class SpliceCommands:
         self._workspace.offer.emit(text, "Open it", open_it)
 
     def _failed(self, error: Exception) -> None:
-        dialogs.show_failure(self._workspace.window, error)
+        dialogs.report_failure(self._workspace.window, error)
 
     def _open(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
         """Open the new take with its words; inserted time is selected, ready to be filled."""

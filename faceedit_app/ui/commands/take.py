@@ -159,7 +159,7 @@ class TakeCommands:
             self._workspace.message.emit(f"Wrote {written[1]} and {written[0].name}")
 
         def failed(error: Exception) -> None:
-            dialogs.show_failure(self._workspace.window, error)
+            dialogs.report_failure(self._workspace.window, error)
 
         self._side_by_side.start(output.name, "Writing", work, done, failed)
 
