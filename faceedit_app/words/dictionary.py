@@ -12,8 +12,9 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.words.numbers import in_words
 
 LANGUAGE = "English"  # what is aligned without help; other languages are imported
-_OUTSIDE = re.compile(r"^(?:(?![$£€]\d)[\W_])+|(?:(?<!\d)%|[^\w%]|_)+$")
-_DIRECTIONS = re.compile(r"\[[^\]]*\]|\([^)]*\)|</?\w[^>]*>")
+_BEFORE = re.compile(r"(?:(?![$£€]\d)[\W_])*")
+_OPENING = re.compile(r"\[|\(|</?\w")
+_CLOSING = {"[": "]", "(": ")", "<": ">"}
 _AND = re.compile(r"\s&\s")  # is spoken
 _BETWEEN = re.compile(r"[\s/–—…_-]+|\.{2,}")
 _APOSTROPHES = str.maketrans({"’": "'", "‘": "'", "ʼ": "'"})
@@ -29,10 +30,42 @@ def tokens(text: str) -> list[str]:
     Dashes and slashes part words, an & between words is one, and brackets with directions, such as
     `[laughs]`, are left out.
     """
-    text = _AND.sub(" and ", _DIRECTIONS.sub(" ", text.translate(_APOSTROPHES)))
+    text = _AND.sub(" and ", _without_directions(text.translate(_APOSTROPHES)))
     if not text.isascii():
         text = "".join(c for c in text if c.isspace() or unicodedata.category(c) not in _INVISIBLE)
-    return [word for part in _BETWEEN.split(text) if (word := _OUTSIDE.sub("", part))]
+    return [word for part in _BETWEEN.split(text) if (word := _bare(part))]
+
+
+def _without_directions(text: str) -> str:
+    """A text with a space for each bracket that is closed.
+
+    One regular expression would look for the end of each bracket that is not closed: for hours, in
+    a damaged file.
+    """
+    last = {opening: text.rfind(closing) for opening, closing in _CLOSING.items()}
+    parts, at = [], 0
+    for bracket in _OPENING.finditer(text):
+        opening = bracket[0][0]
+        if at <= bracket.start() and bracket.end() <= last[opening]:
+            parts.append(text[at : bracket.start()])
+            at = text.index(_CLOSING[opening], bracket.end()) + 1
+    return " ".join([*parts, text[at:]])
+
+
+def _bare(part: str) -> str:
+    """A word without the punctuation around it."""
+    before = _BEFORE.match(part)
+    first, end = before.end() if before else 0, len(part)
+    while end > first and _is_outside(part, end - 1):
+        end -= 1
+    return part[first:end]
+
+
+def _is_outside(part: str, at: int) -> bool:
+    """Whether a character is punctuation where a word ends."""
+    if part[at] == "%":
+        return at == 0 or not part[at - 1].isdecimal()
+    return not part[at].isalnum()
 
 
 @cache

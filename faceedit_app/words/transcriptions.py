@@ -76,14 +76,14 @@ def _line(entry: Any) -> TextLine | None:
         return None
     choices = entry.get(_CHOICES)
     likeliest = choices[0] if isinstance(choices, list) and choices else entry
-    text = _text(entry) or _text(likeliest)
+    text = clean_text((_text(entry) or _text(likeliest)).strip())
     timed = entry[_INSIDE] if isinstance(entry.get(_INSIDE), dict) else entry
     start, end = (_seconds(timed, names) for names in (_STARTS, _ENDS))
     if isinstance(pair := entry.get(_BOTH), list) and len(pair) == 2:
         start, end = (_number(value) for value in pair)
     if start is None or end is None or not 0.0 <= start < end < 1e6 or not tokens(text):
         return None
-    return TextLine(clean_text(text.strip()), start, end)
+    return TextLine(text, start, end)
 
 
 def _text(entry: Any) -> str:

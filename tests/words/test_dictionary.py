@@ -24,6 +24,7 @@ from faceedit_app.words.numbers import in_words
         ("well-known either/or", ["well", "known", "either", "or"]),
         ("[laughs] yes (aside) no <i>now</i>", ["yes", "no", "now"]),
         ("… — !", []),
+        ("(one [two) three] four (five 6% %", ["three", "four", "five", "6%"]),
         ("salt & soup & R&B", ["salt", "and", "soup", "and", "R&B"]),
         ("a < b, c > d", ["a", "b", "c", "d"]),
         ("well…fine under_score", ["well", "fine", "under", "score"]),
@@ -33,6 +34,12 @@ from faceedit_app.words.numbers import in_words
 )
 def test_text_becomes_words(text: str, words: list[str]) -> None:
     assert tokens(text) == words
+
+
+@pytest.mark.parametrize("damage", ["[", "(<a", "a!", "!", "%", "a[("])
+def test_what_is_never_closed_takes_no_time(damage: str) -> None:
+    """With a search for the end at each place, this would take hours."""
+    assert len(tokens(f"a{damage * 100_000}b".replace("!a", "!!"))) == 1
 
 
 def test_unknown_words_are_listed_once() -> None:

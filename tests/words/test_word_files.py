@@ -242,9 +242,16 @@ def test_json_of_speech_recognisers_gives_lines(tmp_path: Path, content: str) ->
     assert read_words(path).lines == (TextLine("hi there", 1.0, 2.0),)
 
 
-def test_json_without_texts_with_times_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "content",
+    [
+        '{"text": "hi there"}',
+        '[{"text": "%shi", "start": 1, "end": 2}]' % (10_000 * "!"),  # too long, then without words
+    ],
+)
+def test_json_without_texts_with_times_is_refused(tmp_path: Path, content: str) -> None:
     path = tmp_path / "said.json"
-    path.write_text('{"text": "hi there"}')
+    path.write_text(content)
     with pytest.raises(FileError, match="no texts with times that FaceEdit knows; save it as SRT"):
         read_words(path)
 
