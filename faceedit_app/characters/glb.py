@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faceedit_app.characters.bounded import Damaged
+from faceedit_app.characters.bounded import MOST_VERTICES, Damaged, whole
 from faceedit_app.characters.gltf_buffers import GltfFile, Json
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
@@ -70,11 +70,17 @@ def _rig(document: GltfFile, fallback_name: str) -> Rig:
         deltas=deltas,
         colors=document.array(attributes["COLOR_0"]).astype(np.float32),
         materials=tuple(materials),
-        control_pairs=np.array([controls.get(name, _MISSING) for name in CONTROL_IDS], np.int32),
+        control_pairs=np.array([_pair(controls, name) for name in CONTROL_IDS], np.int32),
         name=mesh.get("name") or fallback_name,
         attribution=extras.get("attribution", ""),
         shade=None if shade is None else document.array(shade)[:, 0].astype(np.float32),
     )
+
+
+def _pair(controls: Json, name: str) -> list[int]:
+    """The two vertices between which a control is measured."""
+    pair = controls.get(name, _MISSING)
+    return [whole(vertex, f"a vertex of {name}", MOST_VERTICES, -1) for vertex in pair]
 
 
 def _material(look: Json, start: int, stop: int) -> Material:
@@ -82,6 +88,12 @@ def _material(look: Json, start: int, stop: int) -> Material:
     surface = look["pbrMetallicRoughness"]
     roughness, metallic = (surface.get(f"{name}Factor", 1.0) for name in ("roughness", "metallic"))
     return Material(look["name"], start, stop, roughness, metallic)
+
+
+def _is_material(material: Material) -> bool:
+    numbers = (material.roughness, material.metallic)
+    are_numbers = all(isinstance(number, int | float) and 0 <= number <= 1 for number in numbers)
+    return isinstance(material.name, str) and are_numbers
 
 
 def _problem(rig: Rig) -> str | None:
@@ -94,6 +106,10 @@ def _problem(rig: Rig) -> str | None:
         return "has a shade that does not fit the character"
     if not all(isinstance(name, str) for name in rig.channels):
         return "has morph targets without names"
+    if not all(isinstance(text, str) for text in (rig.name, rig.attribution)):
+        return "has a name or an attribution that is not a text"
+    if not all(map(_is_material, rig.materials)):
+        return "has a material without a name, or with numbers beyond 0 to 1"
     if not rig.has_control.any():
         return "has no control definitions"
     pairs = rig.control_pairs[(rig.control_pairs != _MISSING).any(axis=1)]

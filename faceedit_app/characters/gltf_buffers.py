@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from faceedit_app.characters.bounded import MOST_VERTICES, Damaged, finite, read_file, whole
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.texts import plain_line
 
 Json = dict[str, Any]
 
@@ -156,7 +157,11 @@ class GltfFile:
                 raise Damaged("it holds data that is not base64") from error
         if ":" in uri.split("/")[0]:
             raise Damaged(f"it needs {uri[:60]}, which is not a file next to it")
-        return read_file(self.path.parent / unquote(uri))
+        try:
+            return read_file(self.path.parent / unquote(uri))
+        except FileError as error:  # damage may make a name of anything, megabytes of data too
+            problem = f"needs {plain_line(uri, 60)}, which {error.problem}"
+            raise FileError(self.path, problem, "copy it there too, or export as .glb") from error
 
     def _sparse(self, sparse: Json, values: NDArray[Any]) -> NDArray[Any]:
         count = whole(sparse.get("count"), "the count of a sparse accessor", len(values))

@@ -130,6 +130,13 @@ DAMAGES: dict[str, Callable[[dict[str, Any]], Any]] = {
     "a vertex that is not there": lambda d: d["meshes"][0]["extras"]["controls"].update(
         upper_lip=[0, 9999]
     ),
+    "a vertex beyond 32 bits": _set_extras(controls={"upper_lip": [0, 2**31]}),
+    "a vertex beyond 64 bits": _set_extras(controls={"upper_lip": [0, 10**20]}),
+    "half a vertex": _set_extras(controls={"upper_lip": [0, 0.5]}),
+    "a name that is a list": lambda d: d["meshes"][0].update(name=["face"]),
+    "metal that is a text": lambda d: d["materials"][0].update(
+        pbrMetallicRoughness={"metallicFactor": "much"}
+    ),
     "three vertices": lambda d: d["meshes"][0]["extras"]["controls"].update(upper_lip=[0, 1, 2]),
     "no colours": lambda d: d["meshes"][0]["primitives"][0]["attributes"].pop("COLOR_0"),
     "a shade of numbers in threes": lambda d: d["meshes"][0]["primitives"][0]["attributes"].update(
