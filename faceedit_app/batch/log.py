@@ -84,7 +84,7 @@ def _outcome(line: str) -> Outcome:
         raise ValueError("it is no outcome")
     values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entry.items()}
     curves = [number for v in values.values() if isinstance(v, tuple) for number in v]
-    numbers = [*curves, *(v for v in values.values() if isinstance(v, float))]
+    numbers = [*curves, *(v for v in values.values() if isinstance(v, int | float))]
     if not (
         all(isinstance(value, kinds[name]) for name, value in values.items())
         and all(isinstance(number, int | float) and abs(number) < _LARGEST for number in numbers)

@@ -154,14 +154,11 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     Raises:
         RateNeeded, FileError: as for `read`.
     """
-    lines, rows = [], []
-    for line, cells in table.rows():
-        if len(cells) < len(table.names):
-            what = f"the row is too short: {len(cells)} of {len(table.names)} cells"
-            raise table.error(what, "delete this line or copy the file again", line)
-        lines.append(line)
-        rows.append(cells)
+    found_rows = list(table.rows())
+    lines, rows = [line for line, _ in found_rows], [cells for _, cells in found_rows]
+    _check_lengths(table, found_rows, len(table.names))
     layout = _layout(table, rows[:_SAMPLE], naming)
+    _check_lengths(table, found_rows, layout.name + 1)  # names may stand beyond the header
     names = [plain_text(row[layout.name]) for row in rows]
     layout = _without_counters(table, rows, layout)
     keys: list[Key] = [tuple(table.text(row[k]) for k in layout.clocks) for row in rows]
@@ -203,6 +200,14 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
         lambda scale: source(scale=scale),
         lambda frame, k: lines[int(places[frame, k])] + 1,
     )
+
+
+def _check_lengths(table: Table, rows: Sequence[tuple[int, Cells]], cells: int) -> None:
+    """Refuse a row with fewer cells, each row with its line."""
+    for line, row in rows:
+        if len(row) < cells:
+            what = f"the row is too short: {len(row)} of {cells} cells"
+            raise table.error(what, "delete this line or copy the file again", line)
 
 
 def _without_counters(table: Table, rows: Sequence[Cells], layout: LongLayout) -> LongLayout:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from support.takes import make_livelink_csv
 
+from faceedit_app.batch.log import Log
 from faceedit_app.batch.report import summary
 from faceedit_app.batch.tasks import LOG, Outcome
 from faceedit_app.cli import main
@@ -76,6 +77,16 @@ def test_a_log_that_does_not_say_what_was_written_is_not_trusted(
     assert code == 0
     assert "now a.csv.bak" in said
     assert [path.read_text() for path in (tmp_path / "out").glob("*.bak")] == ["mine"]
+
+
+@pytest.mark.parametrize("value", ["9" * 400, "-1e300", "NaN", '"1"'])
+def test_numbers_in_a_log_that_are_none_are_damage(tmp_path: Path, value: str) -> None:
+    kept = '{"name": "b.csv", "seconds": 2}\n'  # a whole number may be written so
+    for field in ("seconds", "frames"):
+        (tmp_path / LOG).write_text(f'{kept}{{"name": "a.csv", "{field}": {value}}}\n')
+        log = Log(tmp_path)
+        assert set(log.outcomes()) == {"b.csv"}
+        log.close()
 
 
 def test_what_earlier_batches_wrote_is_not_taken_for_takes(batch: Batch, tmp_path: Path) -> None:

@@ -143,6 +143,14 @@ def test_damage_is_refused_at_its_line(
     assert says in str(refused.value)
 
 
+def test_a_row_that_ends_before_names_beyond_the_header_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    rows = lines(lambda n, name, v: f"{n / 30:.4f},{v:.4f},{name}")
+    path.write_text("\n".join(["time,value", *rows[:99], "0.0000,0.1", *rows[99:]]) + "\n")
+    with pytest.raises(FileError, match="line 101: the row is too short: 2 of 3 cells; delete"):
+        open_take(path)
+
+
 def test_lines_that_cannot_be_split_are_refused_in_one_line(tmp_path: Path) -> None:
     path = tmp_path / "take.csv"
     path.write_text("time,data\n" + '"0.1, "jawOpen\n' * 20)
