@@ -21,7 +21,7 @@ import icons
 
 import faceedit_app
 from faceedit_app import __version__
-from faceedit_app.formats.registry import mime_types
+from faceedit_app.formats.registry import mime_types, offered_endings
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -29,6 +29,11 @@ MADE, DIST = ROOT / "build" / "packaging", ROOT / "dist"
 BUNDLE = DIST / "faceedit"
 ICON_SIZES = (16, 24, 32, 48, 64, 128, 256, 512)
 LINUX = sys.platform.startswith("linux")
+# In the registry of Windows, for each ending.
+OPEN_WITH = (
+    r'Root: HKA; Subkey: "Software\Classes\{}\OpenWithProgids"; ValueType: string; '
+    'ValueName: "FaceEdit.Project"; ValueData: ""; Flags: uninsdeletevalue'
+)
 
 # Packages with the libraries that the bundle leaves to the system, see contents.OF_THE_SYSTEM.
 DEPENDS = (
@@ -69,6 +74,8 @@ def bundle() -> None:
     PyInstaller.__main__.run([*options, *folders, str(HERE / "faceedit.spec")])
     shutil.copy(ROOT / "LICENSE", BUNDLE / "LICENSE")
     shutil.copy(MADE / "THIRD_PARTY_LICENSES.txt", BUNDLE)
+    if sys.platform == "win32":
+        (MADE / "faceedit.iss").write_text(_described("windows/faceedit.iss.in"), "utf-8")
     _say(BUNDLE)
 
 
@@ -82,7 +89,7 @@ def archive() -> None:
     folder = _fresh(MADE / name)
     _install(folder)
     shutil.copy(HERE / "linux" / "AppRun", folder)
-    (folder / "faceedit.desktop").write_text(_described("faceedit.desktop.in"), "utf-8")
+    (folder / "faceedit.desktop").write_text(_described("linux/faceedit.desktop.in"), "utf-8")
     shutil.copy(MADE / "icons" / "faceedit-256.png", folder / "faceedit.png")
     (folder / ".DirIcon").symlink_to("faceedit.png")
     packages = " ".join(d.split()[0] for d in DEPENDS)
@@ -121,7 +128,7 @@ def deb() -> None:
         "Recommends": "libegl-mesa0, libportaudio2, xdg-desktop-portal",
         "Suggests": "libosmesa6",
         "Description": "edit tracked facial animation by dragging plain curves\n"
-        " Opens the take that Live Link Face on a phone writes, and shows eight curves\n"
+        " Opens the take that Live Link Face on a phone writes, and shows a few curves\n"
         " instead of 52 blendshapes. Drag one, and the face moves as a real face would.\n"
         " Everything that no edit touches is exported byte for byte as it came.",
     }
@@ -143,8 +150,8 @@ def _install(folder: Path) -> None:
     share = folder / "usr/share"
     _copy(HERE / "linux" / "faceedit.mime.xml", share / "mime/packages/faceedit.xml")
     for source, place in (
-        ("faceedit.desktop.in", "applications/faceedit.desktop"),
-        ("faceedit.metainfo.xml.in", "metainfo/org.faceedit.FaceEdit.metainfo.xml"),
+        ("linux/faceedit.desktop.in", "applications/faceedit.desktop"),
+        ("linux/faceedit.metainfo.xml.in", "metainfo/org.faceedit.FaceEdit.metainfo.xml"),
     ):
         (share / place).parent.mkdir(parents=True)
         (share / place).write_text(_described(source), "utf-8")
@@ -155,10 +162,10 @@ def _install(folder: Path) -> None:
 
 
 def describe(text: str) -> str:
-    """A desktop's metadata file, completed.
+    """What a desktop or an installer reads about FaceEdit, completed.
 
-    Version and date come from the newest release in the changelog, media types from the formats
-    that FaceEdit reads.
+    Version and date come from the newest release in the changelog, media types and endings from
+    the formats that FaceEdit reads.
     """
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     dates = dict(re.findall(r"^## \[?([\w.]+)\]? - (\d{4}-\d\d-\d\d)$", changes, re.M))
@@ -169,13 +176,14 @@ def describe(text: str) -> str:
         "@DATE@": date,
         "@MIME_TYPES@": ";".join(types),
         "@MEDIA_TYPES@": "\n    ".join(f"<mediatype>{name}</mediatype>" for name in types),
+        "@OPEN_WITH@": "\n".join(OPEN_WITH.format(ending) for ending in offered_endings()),
     }.items():
         text = text.replace(token, value)
     return text
 
 
 def _described(name: str) -> str:
-    return describe((HERE / "linux" / name).read_text("utf-8"))
+    return describe((HERE / name).read_text("utf-8"))
 
 
 def _glibc() -> str:

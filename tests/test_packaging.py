@@ -106,8 +106,11 @@ def test_the_desktop_entry_opens_what_the_application_can(tool: Tool) -> None:
 
 
 def test_other_systems_offer_the_application_for_the_same_files(tool: Tool) -> None:
-    installer = (PACKAGING / "windows" / "faceedit.iss").read_text(encoding="utf-8")
-    assert set(re.findall(r"\\(\.\w+)\\OpenWithProgids", installer)) == {*offered_endings()}
+    template = (PACKAGING / "windows" / "faceedit.iss.in").read_text(encoding="utf-8")
+    installer = tool("build").describe(template)
+    assert re.findall(r'"Software\\Classes\\(\.\w+)\\OpenWith', installer) == [*offered_endings()]
+    assert f"AppVersion={faceedit_app.__version__}\n" in installer
+    assert not re.search("@[A-Z_]+@|#Version", installer), "each name has its value"
     kinds = tool("contents").macos_properties("1")["CFBundleDocumentTypes"]
     offered = [ending for kind in kinds for ending in kind.get("CFBundleTypeExtensions", [])]
     assert offered == [ending.lstrip(".") for ending in offered_endings()]
