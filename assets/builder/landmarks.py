@@ -13,13 +13,14 @@ import numpy as np
 import trimesh
 
 from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.resources import LANDMARKS_OF_CHARACTER
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.scans.landmarks import seen_landmarks
 from faceedit_app.tracking.face_points import CONTROL_LANDMARKS, IRISES
 from faceedit_app.tracking.landmarker import LANDMARKS, FaceLandmarker
 
-OUTPUT = Path("assets/character.landmarks.json")
+OUTPUT = Path(LANDMARKS_OF_CHARACTER)
 _SKIN = ("skin", "lips")
 _FACING = 0.2  # cosine of the angle to the viewer; landmarks at the outline slide
 

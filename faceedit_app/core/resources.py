@@ -9,11 +9,14 @@ from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError
 
 DEMO_TAKE = "assets/demo_take.csv"
+# The character that edits are made on, and where the tracker's landmarks are on it.
+CHARACTER = "assets/character.glb"
+LANDMARKS_OF_CHARACTER = "assets/character.landmarks.json"
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def shipped(name: str) -> Path:
-    """The path of a shipped file or folder, such as `assets/character.glb` or `models`.
+    """The path of a shipped file or folder, such as `CHARACTER` or `models`.
 
     Raises:
         FileError: it is missing from this installation.

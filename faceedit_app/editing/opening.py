@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.characters.glb import read_rig
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import CHARACTER, shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
@@ -25,7 +25,7 @@ def shipped_rig() -> Rig:
     Raises:
         FileError: it is missing or damaged.
     """
-    return read_rig(shipped("assets/character.glb"))
+    return read_rig(shipped(CHARACTER))
 
 
 def load_engine(rig: Rig, models: Path | None = None) -> Engine:

@@ -11,7 +11,7 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import LANDMARKS_OF_CHARACTER, shipped
 from faceedit_app.core.rig import MILLIMETRES, Distances, Rig
 from faceedit_app.tracking.face_points import (
     INNER_LIPS,
@@ -22,7 +22,6 @@ from faceedit_app.tracking.face_points import (
 )
 from faceedit_app.tracking.landmarker import LANDMARKS
 
-FILE = "assets/character.landmarks.json"
 # Weights: the outline slides as the head turns.
 _WEIGHTS = ((OUTER_LIPS, 2.5), (INNER_LIPS, 1.5), (LIDS, 2.0), (OUTLINE, 0.3))
 
@@ -58,7 +57,7 @@ class FaceModel:
         Raises:
             FileError: the file is missing, damaged, or of another character.
         """
-        path = path or shipped(FILE)
+        path = path or shipped(LANDMARKS_OF_CHARACTER)
         numbers, vertices, shares = _read(path, len(rig.neutral))
         rest = np.einsum("lk,lkx->lx", shares, rig.neutral[vertices].astype(np.float64))
         moves = np.zeros((len(ARKIT_CHANNELS), len(numbers), 3))

@@ -12,7 +12,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.regions import REGIONS
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import CHARACTER, shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.networks.engine import Engine
 from support.networks import random_region, write_models
@@ -21,7 +21,7 @@ from support.networks import random_region, write_models
 @lru_cache(maxsize=1)
 def shipped_rig() -> Rig:
     """The character that FaceEdit ships with."""
-    return read_rig(shipped("assets/character.glb"))
+    return read_rig(shipped(CHARACTER))
 
 
 def random_rig(

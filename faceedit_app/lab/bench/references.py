@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from faceedit_app.core.regions import REGIONS
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import CHARACTER, shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench.clocks import Timings, repeat
 from faceedit_app.lab.bench.desk import long_take
@@ -211,7 +211,7 @@ def _job(rig: Rig, times: int) -> dict[str, Any]:
     weights = rig.from_arkit(long_take(FRAMES).clip.arkit_weights())
     camera = default_camera(rig)
     return {
-        "head": str(shipped("assets/character.glb")),
+        "head": str(shipped(CHARACTER)),
         "weights": dict(zip(rig.channels, weights.T.tolist(), strict=True)),
         "changed": "jawOpen",
         "frame": FRAMES // 2,

@@ -18,9 +18,8 @@ import numpy as np
 from threadpoolctl import threadpool_info
 
 from faceedit_app import __version__
-from faceedit_app.characters.glb import read_rig
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import load_engine, shipped_rig
 from faceedit_app.lab.bench import busy, kernels, references, starting, window
 from faceedit_app.lab.bench.clocks import Timings
 from faceedit_app.lab.bench.desk import Desk
@@ -70,8 +69,8 @@ def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[st
         say: called with what is being measured.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    rig = read_rig(shipped("assets/character.glb"))
-    engine = Engine.load(shipped("models"), rig)
+    rig = shipped_rig()
+    engine = load_engine(rig)
     found: dict[str, Any] = {"machine": machine()}
     say("starting")
     found["start_s"], found["peak_mb"] = _starts(plan)

@@ -12,12 +12,11 @@ from pathlib import Path
 import torch
 from rich.progress import Progress
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.regions import REGIONS, Region
-from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
+from faceedit_app.editing.opening import shipped_rig
 from faceedit_app.lab.training.card import CARD, model_card
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.completion import fit_completion, is_completed, save_completion
@@ -132,7 +131,7 @@ def train_models(
     begin = _beginnings(plan.finetune)
     performances = load_performances(plan.folders, plan.exclude)
     _make_folders(plan)
-    rig = read_rig(shipped("assets/character.glb"))
+    rig = shipped_rig()
     mine = _Trained()
     for number, region in enumerate(map(rig.measures, REGIONS)):
         report = _reporter(progress, region.label, _epochs(settings, region, plan.baseline))
