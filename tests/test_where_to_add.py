@@ -18,15 +18,39 @@ from support.places import ROOT
 
 NEEDED = ("faceedit_app", "assets", "models", "tests", "docs")
 
-OUTER_BROW = """
+# A control that networks may listen to, and optional ones with regions of their own.
+CONTROLS = """
+    Control(
+        "tongue_out",
+        "Tongue",
+        "Distance from the back of the head to the tip of the tongue. Up puts it out.",
+        region="tongue_region",
+        key="",
+        color="#d55e00",
+        optional=True,
+    ),
+    Control(
+        "lips_side",
+        "Lips to the side",
+        "How far the upper lip is from the middle. Up moves it to the character's left.",
+        region="lips_region",
+        key="",
+        color="#d55e00",
+        optional=True,
+        sideways=True,
+    ),
     Control(
         "outer_brow",
         "Outer brow height",
         "Distance from the character's left eye to the end of the brow. Up raises it.",
         region="upper",
         key="",
-        color="#009e73",
+        color="#f0e442",
     ),
+"""
+REGIONS = """
+TONGUE = _region("tongue_region", "Tongue", "Tongue", "tongueOut")
+LIPS = _region("lips_region", "Lips", "Lips", *_both("mouth"))
 """
 WINK = {
     "version": 1,
@@ -61,6 +85,13 @@ def project(tmp_path: Path) -> Path:
     return root
 
 
+def insert(path: Path, text: str, before: str) -> None:
+    """Put text into a file where a developer would."""
+    content = path.read_text(encoding="utf-8")
+    assert content.count(before) == 1
+    path.write_text(content.replace(before, text + before), encoding="utf-8")
+
+
 def run_tests(project: Path, *tests: str) -> None:
     """Run tests on the copy."""
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
@@ -72,11 +103,12 @@ def run_tests(project: Path, *tests: str) -> None:
 
 
 @pytest.mark.timeout(300)
-def test_a_ninth_control_takes_a_row_of_the_table_a_character_and_a_model(project: Path) -> None:
-    table = project / "faceedit_app" / "core" / "controls.py"
-    rows, end = table.read_text(encoding="utf-8").split("\n)\n\nCONTROL_IDS")
-    table.write_text(f"{rows}{OUTER_BROW.rstrip()}\n)\n\nCONTROL_IDS{end}", encoding="utf-8")
-    run_tests(project, "tests/additions/ninth_control.py", "tests/core/test_controls.py")
+def test_controls_take_rows_of_the_tables_a_character_and_a_model(project: Path) -> None:
+    core = project / "faceedit_app" / "core"
+    insert(core / "controls.py", CONTROLS.rstrip(), before="\n)\n\nCONTROL_IDS")
+    insert(core / "regions.py", REGIONS, before="\nREGIONS: ")
+    insert(core / "regions.py", ", TONGUE, LIPS", before=")\n# The name of the group")
+    run_tests(project, "tests/additions/more_controls.py", "tests/core/test_controls.py")
 
 
 @pytest.mark.timeout(300)

@@ -3,7 +3,8 @@
 `CONTROLS` has one row for each control, with everything that FaceEdit knows about it; the rest of
 the code asks the rows which controls are mouth corners, eyelids or lip openings. To add a control,
 add a row here, its control points to a character (`Rig.control_pairs`), and a model trained with
-it. Characters and models without it keep working, without its curve.
+it. Characters and models without it keep working, without its curve. CONTRIBUTING.md has the
+whole list.
 
 Optional controls are for what few takes need, such as a raised brow. Their curves are folded away,
 no network listens to them, and what is edited without naming them leaves them alone.
@@ -36,7 +37,7 @@ class Control:
         region: `Region.id` of the region whose channels move it.
         heard_by: other regions whose networks take it as an input too.
         key: the key that focuses its curve.
-        color: the colour of its curve, as `#rrggbb`.
+        color: the colour of its curve, one of `COLORS`.
         mirror: the same control on the other side of the face, if there is one.
         together: the name for it and the others with the same text when they are edited as one.
         leads: controls that follow when it is edited; see `solving.companions`.
@@ -70,8 +71,17 @@ class Control:
     sideways: bool = False
 
 
-# Okabe and Ito's colours: distinguishable with any kind of colour blindness.
 _SKY, _ORANGE, _PURPLE = "#56b4e9", "#e69f00", "#cc79a7"
+# The colours of curves, and what the legend calls them. They are Okabe and Ito's, distinguishable
+# with any kind of colour blindness, without green, in which the user's character is drawn, and
+# without dark blue, which is hard to see on dark grey.
+COLORS: dict[str, str] = {
+    _SKY: "blue",
+    _ORANGE: "orange",
+    _PURPLE: "purple",
+    "#f0e442": "yellow",
+    "#d55e00": "red",
+}
 _CORNERS, _WIDTH = ("left_corner", "right_corner"), "mouth_width"
 
 CONTROLS: tuple[Control, ...] = (

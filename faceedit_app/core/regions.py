@@ -1,14 +1,15 @@
 """The three face regions: each has one pair of networks, from controls to channels.
 
 Optional controls have regions too, which no network answers; their channels are moved by reach
-alone.
+alone, or, if the control is measured across the face, in proportion (`solving/sideways.py`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.controls import CONTROLS, control_named
+from faceedit_app.core.texts import listed
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,15 @@ class Region:
     def own(self) -> tuple[str, ...]:
         """Ids of the controls that its channels move."""
         return tuple(control.id for control in CONTROLS if control.region == self.id)
+
+    @property
+    def is_sideways(self) -> bool:
+        """Whether its control, of which it then has one, is measured across the face.
+
+        Its channels are then one or two pairs, left before right. The first moves the control; the
+        second goes along.
+        """
+        return any(control_named(name).sideways for name in self.own)
 
 
 def _region(
@@ -89,4 +99,6 @@ JAW = _region("jaw_region", "Jaw", "Jaw", *_both("jaw", "mouth"))
 
 REGIONS: tuple[Region, ...] = (LOWER, UPPER, EYELIDS)
 OPTIONAL_REGIONS: tuple[Region, ...] = (BROWS, JAW)
+# The name of the group of curves that is folded away.
+OPTIONAL_LABEL: str = listed(region.label for region in OPTIONAL_REGIONS).capitalize()
 MODELLED_CHANNELS: tuple[str, ...] = tuple(c for region in REGIONS for c in region.channels)

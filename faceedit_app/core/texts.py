@@ -28,6 +28,12 @@ def plain_line(text: str, longest: int = LONGEST) -> str:
     return line if len(line) <= longest else f"{line[: longest - 1]}…"
 
 
+def listed(words: Iterable[str]) -> str:
+    """Words as a list in a sentence, such as `brows, jaw and tongue`; each word once."""
+    *first, last = dict.fromkeys(words)
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def say(text: str, to: TextIO | None = None) -> None:
     """Print lines on the terminal; on standard output by default."""
     print("\n".join(map(printable, text.split("\n"))), file=to or sys.stdout)

@@ -11,6 +11,7 @@ import pytest
 from support.places import ROOT
 
 from faceedit_app.core.controls import (
+    COLORS,
     CONTROL_IDS,
     CONTROLS,
     LIDS,
@@ -48,7 +49,7 @@ def test_row_fits_the_others(control: Control) -> None:
     assert {*control.heard_by} <= {region.id for region in REGIONS} - {control.region}
     assert {*control.leads} <= {*CONTROL_IDS} - {control.id}
     assert all(control_named(name).region == control.region for name in control.leads)
-    assert re.fullmatch("#[0-9a-f]{6}", control.color)
+    assert control.color in COLORS
     if control.mirror:
         other = control_named(control.mirror)
         assert other.mirror == control.id != control.mirror
@@ -75,6 +76,16 @@ def test_regions_listen_to_their_own_controls_in_the_order_of_the_table() -> Non
     optional = [name for region in OPTIONAL_REGIONS for name in region.own]
     assert sorted(optional) == sorted(OPTIONAL_CONTROLS)
     assert not any(region.controls for region in OPTIONAL_REGIONS), "no network listens to them"
+
+
+def test_what_is_measured_across_the_face_is_alone_in_its_region() -> None:
+    across = {control.region for control in CONTROLS if control.sideways}
+    assert across == {region.id for region in OPTIONAL_REGIONS if region.is_sideways}
+    for region in (region for region in OPTIONAL_REGIONS if region.is_sideways):
+        assert len(region.own) == 1
+        assert len(region.channels) in (2, 4), "pairs, left and right"
+        for left, right in zip(region.channels[::2], region.channels[1::2], strict=True):
+            assert left.removesuffix("Left") == right.removesuffix("Right")
 
 
 def test_what_closes_is_said_by_the_table() -> None:

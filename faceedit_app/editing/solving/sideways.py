@@ -1,9 +1,9 @@
-"""The jaw to the side: an answer for the control that is measured across the face.
+"""The jaw to the side: an answer for a control that is measured across the face.
 
 Its channels come in pairs, left and right, and both of a pair are rarely above 0: what counts is
 their difference. The chin moves with this difference of the jaw's pair in proportion, so that the
-answer is exact, symmetric, and as smooth as what was asked for. The lips go along as far as they do
-in the take, shrunk to what faces do in general.
+answer is exact, symmetric, and as smooth as what was asked for. The second pair of the region, the
+lips, goes along as far as it does in the take, shrunk to what faces do in general.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import numpy as np
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX
-from faceedit_app.core.regions import JAW
+from faceedit_app.core.regions import Region
 from faceedit_app.core.rig import Distances
 from faceedit_app.editing.solving.take_statistics import IDLE, Sample
 
-# How far the lips go with the jaw, as weights; how many frames at 25 fps, with a jaw that varies by
-# `_SPREAD`, that counts as; and the most that is believed.
+# How far the second pair goes with the first, as weights; how many frames at 25 fps, in which the
+# first varies by `_SPREAD`, that counts as; and the most that is believed.
 _FOLLOW, _PRIOR_FRAMES, _SPREAD, _MOST = 0.3, 100.0, 0.1, 0.6
 
 
@@ -60,30 +60,36 @@ class _Pair:
 
 
 class Sideways:
-    """Answers the control of the jaw's region in one take.
+    """Answers the control of a region such as the jaw's in one take.
 
     Attributes:
+        region: the region; it has one control, and one or two pairs of channels.
         column: of the control, among all.
         limits: mm, the farthest to the right (below 0) and to the left.
 
     Args:
+        region: see above.
         distances: all controls as a function of the 52 weights.
         may: channels that may change, because the take has them.
         sample: of the take.
     """
 
-    def __init__(self, distances: Distances, may: frozenset[str], sample: Sample) -> None:
-        (control,) = JAW.own
+    def __init__(
+        self, region: Region, distances: Distances, may: frozenset[str], sample: Sample
+    ) -> None:
+        self.region = region
+        (control,) = region.own
         self.column = CONTROL_INDEX[control]
         slopes = distances.gradients[:, self.column, 0].astype(np.float64)
-        self._jaw, self._lips = (
-            self._pair(names, may, slopes, sample) for names in (JAW.channels[:2], JAW.channels[2:])
+        self._first, self._second = (
+            self._pair(names, may, slopes, sample)
+            for names in (region.channels[:2], region.channels[2:])
         )
         self._follow = self._gain(sample)
-        self._mm = 0.0  # per unit of difference, with the lips
-        if self._jaw is not None:
-            lips = self._follow * self._lips.slope if self._lips is not None else 0.0
-            self._mm = self._jaw.slope + lips
+        self._mm = 0.0  # per unit of difference, with the second pair
+        if self._first is not None:
+            more = self._follow * self._second.slope if self._second is not None else 0.0
+            self._mm = self._first.slope + more
         rest = float(distances.offsets[self.column, 0])
         self.limits = (rest - abs(self._mm), rest + abs(self._mm))
 
@@ -91,23 +97,23 @@ class Sideways:
     def _pair(
         names: tuple[str, ...], may: frozenset[str], slopes: Doubles, sample: Sample
     ) -> _Pair | None:
-        """The pair, if the take has both channels."""
-        left, right = (ARKIT_INDEX[name] for name in names)
-        if not may.issuperset(names):
+        """The pair, if the region has it and the take has both channels."""
+        if not names or not may.issuperset(names):
             return None
+        left, right = (ARKIT_INDEX[name] for name in names)
         low = max(float(min(sample.low[left], sample.low[right])), 0.0)
         return _Pair(left, right, low, 0.5 * float(slopes[left] - slopes[right]))
 
     def _gain(self, sample: Sample) -> float:
-        """How far the lips go with the jaw; 0 if the take never moves them."""
-        jaw, lips = self._jaw, self._lips
-        if jaw is None or lips is None:
+        """How far the second pair goes with the first; 0 if the take never moves it."""
+        first, second = self._first, self._second
+        if first is None or second is None:
             return 0.0
-        both = [lips.left, lips.right]
+        both = [second.left, second.right]
         if not (sample.high[both] - sample.low[both] > IDLE).any():
             return 0.0
         weights = np.concatenate(sample.weights)
-        x, y = (d - d.mean() for d in (jaw.difference(weights), lips.difference(weights)))
+        x, y = (d - d.mean() for d in (first.difference(weights), second.difference(weights)))
         prior = _PRIOR_FRAMES * _SPREAD**2
         gain = float((x @ y + prior * _FOLLOW) / (x @ x + prior))
         return min(max(gain, 0.0), _MOST)
@@ -118,13 +124,13 @@ class Sideways:
         Args:
             weights: (N, 52).
             change: (N, C) mm, of which its own column counts. Where nothing asks for it, that may
-                be what other channels, once smoothed, move the chin by.
+                be what other channels, once smoothed, move its points by.
             hold: (N, C) in 0..1, how firmly each curve is asked for.
         """
-        if self._jaw is None or self._mm == 0.0:
+        if self._first is None or self._mm == 0.0:
             return
-        before = self._jaw.difference(weights)
+        before = self._first.difference(weights)
         asked = np.where(hold[:, self.column] > 0, change[:, self.column], 0.0)
-        self._jaw.move(weights, asked / self._mm)
-        if self._lips is not None and self._follow > 0:
-            self._lips.move(weights, self._follow * (self._jaw.difference(weights) - before))
+        self._first.move(weights, asked / self._mm)
+        if self._second is not None and self._follow > 0:
+            self._second.move(weights, self._follow * (self._first.difference(weights) - before))

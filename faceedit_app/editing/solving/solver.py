@@ -21,7 +21,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
-from faceedit_app.core.regions import BROWS, JAW, REGIONS
+from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.dividing import divided
@@ -116,18 +116,22 @@ class Solver:
         )
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
+        across_the_face = [region for region in OPTIONAL_REGIONS if region.is_sideways]
+        by_reach = [region for region in OPTIONAL_REGIONS if not region.is_sideways]
         self._parts = {
             region.id: TakeRegion(region, engine, self.distances, may, self._missing, self._sample)
-            for region in (BROWS, *REGIONS)
+            for region in (*by_reach, *REGIONS)
         }
-        self._sideways = Sideways(self.distances, may, self._sample)
+        self._sideways = [
+            Sideways(region, self.distances, may, self._sample) for region in across_the_face
+        ]
         self._companions = Companions(
             {part.own: part.control_covariance() for part in self._parts.values()}
         )
         lows, highs = zip(*(part.limits() for part in self._parts.values()), strict=True)
         self._low, self._high = np.max(lows, axis=0), np.min(highs, axis=0)
-        jaw = self._sideways.column
-        self._low[jaw], self._high[jaw] = self._sideways.limits
+        for one in self._sideways:
+            self._low[one.column], self._high[one.column] = one.limits
         moves = self._sample.high - self._sample.low > IDLE
         used = [c for c in self.clip.channels if moves[ARKIT_INDEX[c]]]
         self._across = across(used, self._sample.weights, self._sample.low, self.distances)
@@ -195,7 +199,7 @@ class Solver:
     def tasks(self, edits: Sequence[Edit], settings: Settings) -> dict[int, AnyTask]:
         """The tasks that answer edits, by chunk."""
         listening = {name: part.listens_to for name, part in self._parts.items()}
-        listening[JAW.id] = JAW.own
+        listening |= {one.region.id: one.region.own for one in self._sideways}
         curves, channels = divided(edits)
         tasks = self.chunks.tasks(self._possible(curves), settings, listening)
         return self._channels.tasks(tasks, self._channels.possible(channels), self.chunks)
@@ -258,11 +262,12 @@ class Solver:
         start = self._starts.calmed(filled, task, regions)
         weights = start.weights[inner].astype(np.float64, order="F")
         influences = self._regions.influences(task, mine)
-        if influences or mine.influence[:, self._sideways.column].any():
+        if influences or any(mine.influence[:, one.column].any() for one in self._sideways):
             before = weights.copy(order="F")
             change = self._wanted_change(asked, start.curves, task)
             change = start.without_twitches(change, asked.calm, self.clip.rate)
-            self._sideways.move(weights, change[inner], mine.hold)
+            for one in self._sideways:
+                one.move(weights, change[inner], mine.hold)
             self._regions.solve(task, inner, weights, start, change, mine, influences)
             if task.settings.mode is Mode.PRESERVE:
                 for each in self._across:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QMainWindow
 from faceedit_app.core.atomic import write_atomically
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.core.regions import OPTIONAL_LABEL
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
@@ -375,8 +376,8 @@ MENU: Menu[ViewCommands] = Menu("&View", (
     Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
             tip="Show the hidden curves again",
             enabled=lambda do: do.hides_curves, submenu=CURVES),
-    Command("unfold_curves", "Show &brows and jaw", ViewCommands.unfold_curves, ("Ctrl+B",),
-            "Show the curves of the brows and of a sideways jaw, or fold them away",
+    Command("unfold_curves", f"Show &{OPTIONAL_LABEL.lower()}", ViewCommands.unfold_curves,
+            ("Ctrl+B",), f"Show the curves of {OPTIONAL_LABEL.lower()}, or fold them away",
             checked=lambda do: do.unfolds_curves, submenu=CURVES),
     Command("all_channels", "A&ll channels", ViewCommands.all_channels, ("Ctrl+Shift+L",),
             "Show the 52 channels, head and eyes as plain curves, to read, scale, smooth and draw",

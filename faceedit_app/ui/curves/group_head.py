@@ -6,11 +6,11 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QFontMetricsF, QKeyEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QAbstractButton, QSizePolicy, QWidget
 
+from faceedit_app.core.regions import OPTIONAL_LABEL
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
 
-NAME = "Brows and jaw"
-HINT = "Curves for raised brows, frowns and a sideways jaw. Click to show them or fold them away."
+HINT = "Curves that few takes need. Click to show them or fold them away."
 EDITED = "edited"
 _HEIGHT = 22  # pixels
 _ARROW, _ARROW_LEFT, _TEXT_LEFT, _SPACE = 3.5, 14.0, 26.0, 10.0  # pixels
@@ -24,8 +24,8 @@ class GroupHead(QAbstractButton):
         self.note = ""
         self.setCheckable(True)
         self.setObjectName("optional_curves")
-        self.setText(NAME)
-        self.setAccessibleName(NAME)
+        self.setText(OPTIONAL_LABEL)
+        self.setAccessibleName(OPTIONAL_LABEL)
         self.setAccessibleDescription(HINT)
         self.setFixedHeight(_HEIGHT)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -73,10 +73,10 @@ class GroupHead(QAbstractButton):
             font = style.scaled_font(self, 0.92)
             painter.setFont(font)
             painter.setPen(style.color(style.TEXT if lit else style.LABEL))
-            wide = QFontMetricsF(font).horizontalAdvance(NAME)
+            wide = QFontMetricsF(font).horizontalAdvance(OPTIONAL_LABEL)
             room = QRectF(_TEXT_LEFT, 0.0, self.width() - _TEXT_LEFT, self.height())
             align = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-            painter.drawText(room, align, NAME)
+            painter.drawText(room, align, OPTIONAL_LABEL)
             painter.setPen(style.color(style.MUTED))
             painter.drawText(room.adjusted(wide + _SPACE, 0.0, 0.0, 0.0), align, self.note)
             if self.hasFocus():

@@ -6,7 +6,9 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
-from faceedit_app.core.controls import CONTROLS
+from faceedit_app.core.controls import COLORS, CONTROLS
+from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
+from faceedit_app.core.texts import listed
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
 
@@ -16,10 +18,19 @@ _SPACE = 16.0
 _LEFT = 12.0
 _WORDS = "as tracked", "asked for", "the face", "your character"
 _SHORT_WORDS = "tracked", "asked", "face", "yours"
-_EXPLANATION = (
-    "Thin grey: the curve as tracked. Dashed white: what you asked for. "
-    "Solid: what the face does; blue is the lower face, orange the eyelids, purple brows and jaw."
-)
+
+
+def _explanation() -> str:
+    """What the lines are, and which colour is which part of the face."""
+    labels = {region.id: region.label.lower() for region in (*REGIONS, *OPTIONAL_REGIONS)}
+    meanings = (
+        f"{COLORS[color]} for {listed(labels[c.region] for c in CONTROLS if c.color == color)}"
+        for color in dict.fromkeys(control.color for control in CONTROLS)
+    )
+    return (
+        "Thin grey: the curve as tracked. Dashed white: what you asked for. "
+        f"Solid: what the face does; {listed(meanings)}."
+    )
 
 
 class Legend(QWidget):
@@ -30,9 +41,9 @@ class Legend(QWidget):
         self.hint = ""
         self._has_character = False
         self.setFixedHeight(style.LEGEND_HEIGHT)
-        self.setToolTip(_EXPLANATION)
+        self.setToolTip(_explanation())
         self.setAccessibleName("Legend")
-        self.setAccessibleDescription(_EXPLANATION)
+        self.setAccessibleDescription(_explanation())
 
     def show_hint(self, hint: str) -> None:
         """Show what the mouse would do."""
