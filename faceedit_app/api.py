@@ -124,7 +124,7 @@ class Take:
         return self.session.edits
 
     def curve(self, name: str, tracked: bool = False) -> Floats:
-        """(T,) one of the eight curves in mm, with all edits or as tracked.
+        """(T,) one of the curves in mm, with all edits or as tracked.
 
         Args:
             name: such as `mouth_opening` or “Mouth opening”.

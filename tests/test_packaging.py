@@ -181,9 +181,9 @@ sys.meta_path.insert(0, LeftOut())
 import numpy as np
 from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.errors import Unavailable
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import CHARACTER, shipped
 from faceedit_app.render.snapshot import snapshot
-rig = read_rig(shipped("assets/character.glb"))
+rig = read_rig(shipped(CHARACTER))
 try:
     print(snapshot(rig, np.zeros(len(rig.channels), np.float32), 64, 64).max() > 100)
 except Unavailable as error:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -122,3 +123,14 @@ def test_a_fix_takes_one_preset_file(project: Path) -> None:
         "tests/ui/test_fix_commands.py::test_every_fix_is_one_step_and_ready_to_be_weakened",
         "tests/editing/test_fixes.py",
     )
+
+
+def test_another_character_that_ships_takes_no_other_code() -> None:
+    named = {
+        path.relative_to(ROOT).as_posix()
+        for folder in ("faceedit_app", "assets", "packaging")
+        for path in (ROOT / folder).rglob("*.py")
+        if re.search(r"assets/character\.", path.read_text(encoding="utf-8"))
+    }
+    # The builder's documentation names the file that it writes.
+    assert named - {"assets/builder/landmarks.py"} == {"faceedit_app/core/resources.py"}

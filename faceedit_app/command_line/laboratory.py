@@ -45,7 +45,10 @@ def train(
         "models"
     ),
     recipe: Annotated[
-        str, typer.Option(help="faceedit, or paper: the settings of the publication.")
+        str,
+        typer.Option(
+            help="faceedit, or paper: the settings of the publication; a wrong name lists all."
+        ),
     ] = "faceedit",
     epochs: Annotated[
         OptionalNumber, typer.Option(min=1, help="Passes over the data for each network.")

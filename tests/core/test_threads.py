@@ -20,13 +20,13 @@ if sys.argv[1] == "numpy first":
     import numpy
 
 from faceedit_app.characters.glb import read_rig
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import CHARACTER, DEMO_TAKE, shipped
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import open_take
 from faceedit_app.networks.engine import Engine
 
-rig, take = read_rig(shipped("assets/character.glb")), open_take(shipped("assets/demo_take.csv"))
+rig, take = read_rig(shipped(CHARACTER)), open_take(shipped(DEMO_TAKE))
 if sys.argv[1] == "networks first":  # as the command line does
     session = EditSession(take, rig, Engine.load(shipped("models"), rig))
 else:  # as the window does

@@ -12,6 +12,7 @@ import pytest
 import torch
 from support.faces import shipped_rig
 from support.networks import random_content, random_description
+from support.performances import RIG, performance, smallest
 from support.trained import random_networks, random_trained
 
 from faceedit_app.core.errors import FaceEditError, FileError
@@ -20,12 +21,14 @@ from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.resources import shipped
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.training import architectures
-from faceedit_app.lab.training.architectures import ARCHITECTURES, Architecture
+from faceedit_app.lab.training.architectures import ARCHITECTURES, Architecture, Stacked
 from faceedit_app.lab.training.architectures.unet import ACTIVATIONS, UNet, UNets
 from faceedit_app.lab.training.export import export
+from faceedit_app.lab.training.fit import fit_region
 from faceedit_app.lab.training.model_files import load_trained, save_trained
+from faceedit_app.lab.training.run import TrainingPlan
 from faceedit_app.lab.training.settings import RECIPES
-from faceedit_app.networks.engine import Engine
+from faceedit_app.networks.engine import Engine, load_region
 
 # --- in torch ----------------------------------------------------------------------------------
 
@@ -171,6 +174,44 @@ def test_export_that_answers_otherwise_is_not_written(monkeypatch: pytest.Monkey
     )
     with pytest.raises(FaceEditError, match="'folded'"):
         export(Folded(2, 6).eval(), description)
+
+
+# --- what a new architecture needs: a module such as this, an entry, and a recipe -----------------
+
+
+class Pointwise(Stacked):
+    """Answers each frame by itself."""
+
+    name = "pointwise"
+    settings: dict[str, Any] = {}  # noqa: RUF012
+    scale = 1
+    radius = 0
+
+    def __init__(self, controls: int, channels: int) -> None:
+        super().__init__(controls, channels, residual=True, adapted=False)
+
+    @classmethod
+    def of(cls, controls: int, channels: int, settings: object) -> Pointwise:
+        return cls(controls, channels)
+
+    def network(self, inputs: int, outputs: int) -> torch.nn.Conv1d:
+        return torch.nn.Conv1d(inputs, outputs, 1)
+
+
+def test_a_new_architecture_is_trained_by_its_recipe_and_answers_in_the_application(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(architectures.ARCHITECTURES, "pointwise", Pointwise)
+    monkeypatch.setitem(RECIPES, "pointwise", smallest(architecture="pointwise"))
+    plan = TrainingPlan((tmp_path,), tmp_path, recipe="pointwise")
+    model = fit_region(EYELIDS, [performance()], RIG, plan.settings).model
+    save_trained(tmp_path / "eyelids.onnx", model)
+    answer = load_region(tmp_path, EYELIDS, RIG)
+    assert answer.description.architecture == {"name": "pointwise"}
+    controls = np.random.default_rng(1).uniform(0, 12, (20, 2)).astype(np.float32)
+    with torch.inference_mode():
+        wanted = model.networks.answers(torch.from_numpy(controls.T[None]))["system"][0].T
+    np.testing.assert_allclose(answer(controls, 1.0), wanted.numpy(), rtol=1e-4, atol=1e-5)
 
 
 # --- back into torch ---------------------------------------------------------------------------

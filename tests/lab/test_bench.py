@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from support.faces import shipped_rig
 
-from faceedit_app.characters.glb import read_rig
 from faceedit_app.core.resources import shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench import kernels, references
@@ -31,7 +31,7 @@ Install = Callable[[str, str], None]
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return read_rig(shipped("assets/character.glb"))
+    return shipped_rig()
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from support.rigs import ball
 
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
-from faceedit_app.core.resources import shipped
+from faceedit_app.core.resources import CHARACTER, shipped
 from faceedit_app.core.rig import Material, Rig
 from faceedit_app.render import (
     Aim,
@@ -275,7 +275,7 @@ def test_what_stands_still_is_kept_and_looks_as_if_it_were_drawn(
     from faceedit_app.characters.glb import read_rig
     from faceedit_app.render.painter import Painter
 
-    character = read_rig(shipped("assets/character.glb"))
+    character = read_rig(shipped(CHARACTER))
     # Where everything may move, everything is drawn.
     restless = dataclasses.replace(
         character,
