@@ -13,6 +13,7 @@ from support.reading import DEADLY, ENDLESS, pretended
 from faceedit_app.cli import main
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import DEMO_TAKE, shipped
+from faceedit_app.formats.registry import FORMATS
 from faceedit_app.lab.attacks import fuzz as fuzzing
 from faceedit_app.lab.attacks import fuzz_watch
 from faceedit_app.lab.attacks.fuzz import Findings, fuzz
@@ -23,6 +24,7 @@ from faceedit_app.lab.attacks.mutation import mutated
 from faceedit_app.lab.attacks.reader import Reader
 from faceedit_app.lab.attacks.readers import all_readers, readers_of
 from faceedit_app.lab.attacks.soak import Soaked, soak
+from faceedit_app.lab.attacks.valid_takes import take_readers
 from faceedit_app.lab.attacks.watchdog import Watchdog
 
 
@@ -44,6 +46,12 @@ def test_every_reader_reads_its_undamaged_file(tmp_path: Path) -> None:
         reader.read(path)
     (own,) = readers_of(shipped(DEMO_TAKE))
     assert own.content == shipped(DEMO_TAKE).read_bytes()
+
+
+def test_every_format_of_takes_has_a_file_to_damage() -> None:
+    contents = [reader.content for reader in take_readers()]
+    found = {max(FORMATS, key=lambda form: form.sniff(content)).key for content in contents}
+    assert found == {form.key for form in FORMATS}
 
 
 def test_damaged_files_are_read_rightly_or_refused(tmp_path: Path) -> None:

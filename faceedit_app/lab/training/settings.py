@@ -75,7 +75,7 @@ class TrainingSettings:
     noisy_windows: float = 0.5  # ... in this share of the windows, 1 in the paper
     residual: bool = True  # the autoencoder starts as the identity; False in the paper
     adapt_statistics: bool = False  # of the frozen regressor to the noise; True in the paper
-    architecture: str = "unet"  # key of `ARCHITECTURES`; one with regressor and autoencoder
+    architecture: str = "unet"  # key of `ARCHITECTURES`; a subclass of `Stacked`
     widths: tuple[int, ...] = (32, 64, 128)  # features at each time scale, finest first ...
     narrow_widths: tuple[int, ...] | None = None  # ... of regions that hear `FEW` controls or fewer
     activation: str = "silu"  # "elu" in the paper

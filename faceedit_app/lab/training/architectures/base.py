@@ -1,8 +1,9 @@
 """What every architecture has in common.
 
-To add one: a module here with a subclass of `Architecture`, or of `Stacked` where it has the two
-networks of the paper, and its line in `ARCHITECTURES`. `export.py` turns it into a file that the
-application reads; where it needs an operator that no other needed, that goes into
+To add one: a module here with a subclass of `Stacked`, which has the two networks of the paper, its
+class in `ARCHITECTURES`, and a recipe in `settings.py` that selects it. Any other subclass of
+`Architecture` also needs a training of its own, as in `training/holden.py`. `export.py` turns it
+into a file that the application reads; an operator that no other architecture needs is allowed in
 `networks/graph.py`.
 """
 
