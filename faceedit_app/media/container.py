@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.media import is_film, is_media
+from faceedit_app.media.limits import limit_blocks, most_pixels, threads_for
 
 if TYPE_CHECKING:
     from av.audio.stream import AudioStream
@@ -51,12 +52,19 @@ def open_container(path: Path) -> InputContainer:
         raise Unavailable(
             f"Sound and film need PyAV, which cannot be loaded ({error}); run: pip install av"
         ) from error
+    limit_blocks()
+    bounds = {"max_pixels": str(most_pixels(path))}
     # FFmpeg would treat a name with a colon as an address, and follow addresses in playlists.
-    return av.open(
+    container = av.open(
         f"file:{path}",
         metadata_errors="ignore",
+        options=bounds,
         container_options={"protocol_whitelist": "file"},
     )
+    for stream in container.streams.video:  # PyAV's own decoders are not those of the options above
+        if stream.codec_context is not None:
+            stream.codec_context.options = bounds
+    return container
 
 
 @contextlib.contextmanager
@@ -131,6 +139,12 @@ def film_stream(container: InputContainer) -> VideoStream:
     if stream.codec_context is None:
         raise FileError(path, "has pictures in a format that FFmpeg does not know", AS_MP4)
     return stream
+
+
+def use_threads(path: Path, stream: VideoStream) -> None:
+    """Decode a film in several threads, if it is worth them."""
+    stream.thread_type = "AUTO"
+    stream.codec_context.thread_count = threads_for(path)
 
 
 def seconds(ticks: int | None, base: Fraction | None) -> float | None:

@@ -12,7 +12,13 @@ import numpy as np
 
 from faceedit_app.core.arrays import Pixels, Times
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.media.container import file_errors, film_stream, open_container, opened
+from faceedit_app.media.container import (
+    file_errors,
+    film_stream,
+    open_container,
+    opened,
+    use_threads,
+)
 from faceedit_app.media.film_index import decoded, index_of
 from faceedit_app.media.pixels import pixels_of
 
@@ -162,7 +168,7 @@ class Film:
             self.close()  # reopen it, which begins at the first picture in every container
         if self._container is None:
             self._container = open_container(self.path)
-            film_stream(self._container).thread_type = "AUTO"
+            use_threads(self.path, film_stream(self._container))
         stream = film_stream(self._container)
         if key > 0:
             self._container.seek(int(self._index.key_stamps[key]), stream=stream, backward=True)

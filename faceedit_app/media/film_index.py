@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.media.container import AS_MP4, check, film_stream, films, opened
+from faceedit_app.media.container import (
+    AS_MP4,
+    check,
+    film_stream,
+    films,
+    opened,
+    use_threads,
+)
+from faceedit_app.media.limits import most_pixels
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -68,6 +76,9 @@ def index_of(
         Abandoned: `stopped` said so.
     """
     stream = film_stream(container)
+    if stream.width * stream.height > most_pixels(path):
+        problem = f"has pictures of {stream.width} x {stream.height} pixels, too large for its size"
+        raise FileError(path, problem, "make them smaller, or copy it again if it is damaged")
     index, remarks = _by_packets(path, container, stream, stopped), []
     if index is None:
         index, untimed = _by_decoding(path, stopped)
@@ -86,12 +97,12 @@ def index_of(
 
 def decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
     """Pictures in the order in which they are shown; damaged ones are left out."""
-    from av.error import InvalidDataError
+    from av.error import ArgumentError, InvalidDataError
 
     for packet in container.demux(stream):
         try:
             frames = packet.decode()
-        except InvalidDataError:
+        except (InvalidDataError, ArgumentError):  # the other is said of pictures too large
             continue
         yield from frames
 
@@ -126,7 +137,7 @@ def _by_decoding(path: Path, stopped: Callable[[], bool] | None) -> tuple[FilmIn
     untimed = 0
     with opened(path) as container:
         stream = film_stream(container)
-        stream.thread_type = "AUTO"
+        use_threads(path, stream)
         for frame in decoded(container, stream):
             check(stopped)
             if frame.pts is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import struct
 import threading
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from support.films import SIZE, damage_pictures, make_film, number_of
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.media.container import Abandoned
 from faceedit_app.media.film import Film, Projector
+from faceedit_app.media.limits import most_pixels, threads_for
 
 
 @pytest.fixture
@@ -110,6 +113,28 @@ def test_a_film_whose_beginning_is_damaged_begins_where_it_is_not(tmp_path: Path
     film.picture(first - 1)
     film.picture(first)
     assert film.damaged == {0, first - 1}
+
+
+def test_a_picture_that_claims_to_be_huge_is_damaged_and_takes_no_memory(tmp_path: Path) -> None:
+    path = make_film(tmp_path / "a.webm", frames=30, gop=10, b_frames=0, codec="libvpx")
+    before, _, after = path.read_bytes().rpartition(b"\x9d\x01\x2a" + struct.pack("<HH", *SIZE))
+    path.write_bytes(before + b"\x9d\x01\x2a" + struct.pack("<HH", 16383, 16383) + after)
+    film = Film(path)
+    assert [number_of(film.picture(index)) for index in (0, 19, 20, 29)] == [0, 19, 19, 19]
+    assert film.damaged == {20, 29}
+
+
+def test_a_film_may_not_claim_larger_pictures_than_its_size_allows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = make_film(tmp_path / "a.mp4", frames=5)
+    assert (most_pixels(path), threads_for(path)) == (1920 * 1080, 1)
+    with path.open("ab") as file:
+        file.truncate(64 << 20)
+    assert (most_pixels(path), threads_for(path)) == (40_000_000, min(os.cpu_count() or 1, 16))
+    monkeypatch.setattr("faceedit_app.media.limits._MOST_PIXELS", 160 * 32 - 1)
+    with pytest.raises(FileError, match="has pictures of 160 x 32 pixels, too large for its size"):
+        Film(path)
 
 
 @pytest.mark.parametrize(

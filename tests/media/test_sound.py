@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 from fractions import Fraction
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from support.places import SHARED
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.media import beside, is_media
-from faceedit_app.media.container import Abandoned
+from faceedit_app.media.container import Abandoned, opened
 from faceedit_app.media.sound import Sound, extremes_of, read_sound
 
 
@@ -161,6 +162,21 @@ def test_what_lies_beside_a_take_under_its_name(tmp_path: Path) -> None:
 def test_a_small_file_cannot_ask_for_much_memory(name: str, problem: str) -> None:
     with pytest.raises(FileError, match=problem):
         read_sound(SHARED / "cases" / "hostile" / name)
+
+
+def test_a_header_cannot_make_ffmpeg_take_hundreds_of_megabytes(tmp_path: Path) -> None:
+    path, size = make_wav(tmp_path / "a.wav"), 300 << 20
+    plain = path.read_bytes()
+    with path.open("wb") as file:  # a name of the program that takes 300 MB, most of them a hole
+        tag = b"INFOISFT" + struct.pack("<I", size)
+        file.write(plain[:36] + b"LIST" + struct.pack("<I", size + len(tag)) + tag + b"Mine")
+        file.seek(size - 4, os.SEEK_CUR)
+        file.write(plain[36:])
+    with opened(path) as container:
+        assert "encoder" not in container.metadata
+    sound = read_sound(path)
+    assert sound is not None
+    assert sound.end == pytest.approx(2.0)
 
 
 def test_a_long_hole_in_a_sound_is_refused_before_it_is_filled(tmp_path: Path) -> None:
