@@ -11,6 +11,7 @@ from assets.builder.eyes import build_eye, build_wet
 from assets.builder.geometry import Surface, mesh_of
 from assets.builder.hair import above_hairline, build_hair, find_hairline
 from assets.builder.lashes import build_lashes
+from assets.builder.lower_lip import round_lower_lip
 from assets.builder.parts import Part
 from assets.builder.settings import ATTRIBUTION, MATERIALS, NAME, OUTPUT
 from assets.builder.shapes import Face, pose_face
@@ -41,7 +42,7 @@ def build_rig(source: Source) -> Rig:
         parts += build_wet(face, eye, skin, surface)
     parts += build_teeth(face)
     parts += build_hair(line, skin, surface)
-    return _to_rig(_join(parts), face)
+    return _to_rig(round_lower_lip(_join(parts), face), face)
 
 
 def _join(parts: list[Part]) -> Part:

@@ -43,11 +43,15 @@ def build_skin(face: Face, above_hairline: Floats, colors: Floats) -> Part:
     count = len(face.skin)
     index = np.r_[np.arange(count), np.full(len(share), -1)]
     corner = np.minimum(faces, count - 1)
-    mouth, lips = face.mouth[corner].mean(1) > 0.5, face.lips[corner].mean(1) > 0.5
-    materials = np.where(lips, MATERIAL_INDEX["lips"], MATERIAL_INDEX["skin"])
-    materials = np.where(mouth, MATERIAL_INDEX["mouth"], materials)
+    materials = skin_materials(face.mouth[corner], face.lips[corner])
     deltas = settled(extend(face.deltas[:, src.BODY]), SKIN.moves_from)
     return make_part("skin", extend(face.skin), faces, materials, extend(colors), deltas, index)
+
+
+def skin_materials(mouth: Floats, lips: Floats) -> Ints:
+    """The materials (F,) of triangles whose corners lie in mouth and lips so far, (F, 3) 0..1."""
+    outside = np.where(lips.mean(1) > 0.5, MATERIAL_INDEX["lips"], MATERIAL_INDEX["skin"])
+    return np.where(mouth.mean(1) > 0.5, MATERIAL_INDEX["mouth"], outside)
 
 
 def _in_sockets(face: Face, faces: Ints) -> Bools:

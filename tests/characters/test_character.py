@@ -115,6 +115,29 @@ def test_the_jaw_opens_the_mouth_and_mouth_close_shuts_it_again(rig: Rig) -> Non
     assert closed == pytest.approx(lengths(rig)["mouth_opening"], abs=0.5)
 
 
+@pytest.mark.parametrize("channel", ["jawOpen", "mouthFunnel"])
+@pytest.mark.parametrize("control", ["mouth_opening", "lower_lip"])
+def test_an_open_mouth_is_round(rig: Rig, channel: str, control: str) -> None:
+    middle = int(rig.control_pairs[CONTROL_INDEX[control], 1])
+    right, left = (beside(rig, middle, sign) for sign in (-1.0, 1.0))
+    weights = np.array([float(name == channel) for name in rig.channels], np.float32)
+    run, rise = np.diff(rig.vertices(weights)[[*right[:0:-1], *left], :2], axis=0).T
+    turns = np.diff(np.degrees(np.arctan2(rise, run)))
+    assert turns.sum() > 30
+    assert turns.max() < turns.sum() / 3, "not a corner in the middle"
+
+
+def beside(rig: Rig, vertex: int, sign: float) -> list[int]:
+    """The vertices from one in the middle to 5 mm beside it, straight to the right or left."""
+    path = [vertex]
+    while abs(rig.neutral[path[-1], 0]) < 5e-3:
+        around = np.unique(rig.faces[(rig.faces == path[-1]).any(axis=1)])
+        around = around[around != path[-1]]
+        away = rig.neutral[around] - rig.neutral[path[-1]]
+        path.append(int(around[np.argmax(sign * away[:, 0] / np.linalg.norm(away, axis=1))]))
+    return path
+
+
 def test_smiles_widen_and_puckers_narrow_the_mouth(rig: Rig) -> None:
     neutral = lengths(rig)
     smile = lengths(rig, mouthSmileLeft=1.0)

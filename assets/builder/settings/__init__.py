@@ -8,6 +8,7 @@ from assets.builder.settings.face import (
     ATTRIBUTION,
     MATERIALS,
     NAME,
+    LowerLip,
     Neutral,
     Output,
     Shapes,
@@ -27,6 +28,7 @@ from assets.builder.settings.paint import Colour
 
 NEUTRAL = Neutral()
 SHAPES = Shapes()
+LOWER_LIP = LowerLip()
 SKIN = Skin()
 OUTPUT = Output()
 HAIR = Hair()
@@ -43,6 +45,7 @@ __all__ = [
     "EYES",
     "HAIR",
     "LASHES",
+    "LOWER_LIP",
     "MATERIALS",
     "NAME",
     "NEUTRAL",

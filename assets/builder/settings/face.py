@@ -118,6 +118,33 @@ class Shapes:
 
 
 @dataclass(frozen=True)
+class LowerLip:
+    """Columns of vertices that round the lower lip."""
+
+    # Base mesh, from inside the mouth down to the flat of the chin; each row from the
+    # character's right to its left.
+    rows: tuple[tuple[int, ...], ...] = (
+        (547, 553, 552, 551, 557, 7294, 7295, 7296, 7290),
+        (530, 536, 535, 534, 540, 7279, 7280, 7281, 7275),
+        (446, 519, 518, 517, 523, 7264, 7265, 7266, 7206),
+        (437, 475, 481, 487, 493, 7242, 7236, 7230, 7197),
+        (438, 476, 482, 488, 494, 7243, 7237, 7231, 7198),
+        (502, 510, 511, 512, 513, 7260, 7259, 7258, 7251),
+        (439, 477, 483, 489, 495, 7244, 7238, 7232, 7199),
+        (440, 478, 484, 490, 496, 7245, 7239, 7233, 7200),
+        (405, 406, 480, 486, 492, 7241, 7235, 7166, 7165),
+        (371, 370, 5335, 5336, 5337, 11940, 11939, 7130, 7131),
+        (400, 401, 479, 485, 491, 7240, 7234, 7161, 7160),
+        (730, 721, 722, 723, 724, 7446, 7445, 7444, 7452),
+        (898, 734, 728, 731, 733, 7453, 7450, 7454, 7600),
+    )
+    # Into how many pieces each row's edges are split, but for the outermost.
+    pieces: tuple[int, ...] = (2, 3, 4, 4, 3, 2)
+    # How far a curve leaves the straight line between two old vertices; 0.5: as Catmull and Rom's.
+    bulge: float = 0.5
+
+
+@dataclass(frozen=True)
 class Skin:
     """Where the bust ends and where the sockets open."""
 
