@@ -187,7 +187,7 @@ class Lashes:
     closed_down: float = 0.36
     # Share of their width that the upper lashes lose when the lid is closed. Half-way they point
     # at the viewer, and what is wide then looks like teeth over the iris.
-    closed_slimming: float = 0.65
+    closed_slimming: float = 0.8
     blink_from: float = 0.1  # roots that a blink lowers less turn as if by this much
     turn_limits: tuple[float, float] = (-0.3, 1.2)  # of the turn of a closed lid
     seed: int = 5

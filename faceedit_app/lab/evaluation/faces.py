@@ -24,6 +24,7 @@ from faceedit_app.lab.evaluation.people.gestures import WILD
 from faceedit_app.lab.evaluation.report import make_folder
 from faceedit_app.lab.evaluation.tables import markdown_table
 from faceedit_app.networks.engine import Engine
+from faceedit_app.render.camera import Aim, aimed_camera
 from faceedit_app.render.snapshot import snapshot, write_png
 
 HOLD, FALLOFF = 0.4, 0.25  # seconds
@@ -41,12 +42,14 @@ class FaceGesture:
         asked: what the user asks for, in words.
         drags: controls, what is done, and by or to how many mm.
         at_open_mouth: where the mouth is widest open; else where the face rests.
+        aim: what the pictures show.
     """
 
     name: str
     asked: str
     drags: tuple[tuple[tuple[str, ...], Op, float], ...]
     at_open_mouth: bool = False
+    aim: Aim = Aim.FRONT
 
     def edits(self, time: float) -> list[Edit]:
         """The edits around a time."""
@@ -72,8 +75,10 @@ FACES = (
     FaceGesture("closure", "mouth opening to 0.5 mm", (((LIP_OPENING,), Op.SET, 0.5),), True),
     FaceGesture("smile", "both mouth corners +4 mm", ((MOUTH_CORNERS, Op.OFFSET, 4.0),)),
     FaceGesture("pucker", "mouth width -12 mm", (((MOUTH_WIDTH,), Op.OFFSET, -12.0),)),
-    FaceGesture("wink", "left eye opening to 0 mm", (((LIDS[0],), Op.SET, 0.0),)),
-    FaceGesture("half-closed eyes", "both eye openings to 3.5 mm", ((LIDS, Op.SET, 3.5),)),
+    FaceGesture("wink", "left eye opening to 0 mm", (((LIDS[0],), Op.SET, 0.0),), aim=Aim.EYES),
+    FaceGesture(
+        "half-closed eyes", "both eye openings to 4 mm", ((LIDS, Op.SET, 4.0),), aim=Aim.EYES
+    ),
     *map(_wild, WILD),
 )
 
@@ -95,7 +100,8 @@ def faces_part(folder: Path, rig: Rig, engine: Engine) -> str:
         session.put(face.edits(time))
         session.live.work()
         after = session.rig_weights(frame)
-        both = [snapshot(rig, weights, SIZE, SIZE) for weights in (before, after)]
+        camera = aimed_camera(rig, face.aim)
+        both = [snapshot(rig, weights, SIZE, SIZE, camera) for weights in (before, after)]
         picture = f"{FOLDER}/{face.name.replace(': ', '-').replace(' ', '-')}.png"
         write_png(folder / picture, np.concatenate(both, axis=1))
         touched = [CONTROL_INDEX[c] for controls, _, _ in face.drags for c in controls]
