@@ -311,15 +311,31 @@ def with_undone_slider(bench: Bench) -> MainWindow:
 
 
 def drop(target: QWidget, *paths: Path) -> None:
-    """Drop files on a widget; what it does not want goes to the widgets around it."""
+    """Drop files on a widget, and let the window handle them once the drop is over.
+
+    What the widget does not want goes to the widgets around it.
+    """
+    assert drop_only(target, *paths)
+    QApplication.sendPostedEvents(target.window(), QEvent.Type.MetaCall.value)
+
+
+def drop_only(target: QWidget, *paths: Path) -> bool:
+    """Drop files on a widget, without what the window does with them later.
+
+    Returns:
+        Whether they were accepted.
+    """
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
     buttons, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
     enter = QDragEnterEvent(QPoint(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
+    enter.ignore()  # as the window system sends it
     QApplication.sendEvent(target, enter)
-    assert enter.isAccepted()
     event = QDropEvent(QPointF(9, 9), Qt.DropAction.CopyAction, data, buttons, keys)
+    event.ignore()
     QApplication.sendEvent(target, event)
+    assert event.isAccepted() == enter.isAccepted()
+    return event.isAccepted()
 
 
 def open_path(window: MainWindow) -> Path:

@@ -1,20 +1,33 @@
-"""The main window's base: accepts dropped files and detects the first paint."""
+"""The main window's base: accepts dropped files and detects the first paint.
+
+What a drop starts may ask a question, and a question must not open inside the drop: it would keep
+the program that the files came from waiting, and the window system in the middle of a drag, where a
+second drop ends the process. Files are therefore handled once the drop is over, and refused while a
+question is open.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QTimer
-from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDropEvent
-from PySide6.QtWidgets import QMainWindow
+from PySide6.QtCore import QEvent, Qt, QTimer, Signal
+from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
+from PySide6.QtWidgets import QApplication, QMainWindow
 
 
 class WindowBase(QMainWindow):
-    """Leaves it to a subclass what to do with the files."""
+    """Leaves it to a subclass what to do with the files.
+
+    Signals:
+        dropped(object): files, as a list of paths; received once the drop is over.
+    """
+
+    dropped = Signal(object)
 
     def __init__(self) -> None:
         super().__init__()
+        self.dropped.connect(self.take_files, Qt.ConnectionType.QueuedConnection)
         self._on_paint: Callable[[], None] | None = None
         self.setAcceptDrops(True)
 
@@ -44,22 +57,38 @@ class WindowBase(QMainWindow):
         raise NotImplementedError
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Accept files."""
-        if _dropped(event):
+        """Accept files, unless a question is open."""
+        if _dropped(event) and not _asks():
             event.acceptProposedAction()
             self.show_drop(True)
+        else:
+            event.ignore()
+
+    def dragMoveEvent(self, event: QDragMoveEvent) -> None:
+        """Refuse files again if a question has opened meanwhile."""
+        if _asks():
+            event.ignore()
+        else:
+            event.acceptProposedAction()
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
         """The file was dragged away again."""
         self.show_drop(False)
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Handle the files."""
+        """Accept the files at once, and handle them when the drop is over."""
         self.show_drop(False)
         paths = _dropped(event)
-        if paths:
+        if paths and not _asks():
             event.acceptProposedAction()
-            self.take_files(paths)
+            self.dropped.emit(paths)
+        else:
+            event.ignore()
+
+
+def _asks() -> bool:
+    """Whether a dialog holds the window until it is answered or done."""
+    return QApplication.activeModalWidget() is not None
 
 
 def _dropped(event: QDropEvent) -> list[Path]:
