@@ -102,8 +102,11 @@ def test_what_is_uncertain_beside_a_gap_belongs_to_the_gap() -> None:
     confidence = np.ones(40)
     confidence[[18, 19, 20, 35]] = 0.6
     rig = shipped_rig()
-    found = problems_of(clip, weights, rig.arkit_distances.measure(weights), confidence=confidence)
+    curves = rig.arkit_distances.measure(weights)
+    found = problems_of(clip, weights, curves, lost=[19.5], confidence=confidence)
     assert [problem.kind for problem in found] == [Kind.DROPPED, Kind.UNSURE]
+    (fill,) = found[0].fix
+    assert (times[17], times[20]) < (fill.start, fill.end) < (times[18], times[21])
     assert found[1].start == pytest.approx(times[35])
     assert found[1].fix
 

@@ -135,22 +135,12 @@ def test_lost_frames_are_reported_and_those_close_together_as_one() -> None:
     clip = replace(still_clip(), gaps=(Gap(100, 1), Gap(104, 2), Gap(200, 1)))
     first, second = find(clip)
     assert (first.kind, first.fix) == (Kind.DROPPED, ())
-    assert first.message == "3 frames are missing, and the file has no row for them"
+    assert first.message == "3 frames are missing at 2 places, and the file has no row for them"
     assert second.message == "1 frame is missing, and the file has no row for it"
     assert first.start == pytest.approx(100 / 60, abs=1e-3)
 
 
-def test_a_jump_over_lost_frames_is_filled() -> None:
-    clip = still_clip()
-    weights = clip.weights.copy()
-    weights[101:, ARKIT_INDEX["jawOpen"]] = 0.5
-    (problem,) = find(replace(clip, weights=weights, gaps=(Gap(100, 3),)))
-    assert "Mouth opening" in problem.message
-    assert "mouth_opening" in problem.controls
-    assert problem.fix[0].op is Op.FILL
-
-
-@pytest.mark.parametrize("seconds", [0.1, 5.0], ids=["filled", "too long to fill"])
+@pytest.mark.parametrize("seconds", [0.4, 5.0], ids=["filled", "too long to fill"])
 def test_a_gap_that_was_fixed_is_not_fixed_again(seconds: float) -> None:
     """Even if the jump remains: a second fix of the same range would do the same."""
     clip = still_clip()
@@ -159,6 +149,8 @@ def test_a_gap_that_was_fixed_is_not_fixed_again(seconds: float) -> None:
     times = clip.times + np.where(np.arange(len(clip)) > 100, seconds, 0.0)
     broken = replace(clip, weights=weights, times=times, gaps=(Gap(100, round(60 * seconds)),))
     (problem,) = find(broken)
+    assert "Mouth opening" in problem.message
+    assert "mouth_opening" in problem.controls
     (edit,) = problem.fix
     assert find(broken, replace(edit, enabled=False))[0].fix == (edit,)
     assert not any(again.fix for again in find(broken, edit))

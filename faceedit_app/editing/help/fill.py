@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Times
-from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.session import EditSession
@@ -37,12 +36,13 @@ class Heard:
     offset: float = 0.0
 
 
-def cannot_fill(clip: Clip, start: float, end: float) -> str:
+def cannot_fill(take: Take, start: float, end: float) -> str:
     """Why a range cannot be filled, in a sentence for the user; empty if it can."""
+    clip, lost = take.clip, _lost_seconds(take)
     inside = (clip.times >= start - 1e-9) & (clip.times <= end + 1e-9)
     if end - start > LONGEST_FILL + 1e-6:
         return f"Fill makes up to {LONGEST_FILL:.0f} s; select a shorter range"
-    if not inside.any():
+    if not inside.any() and not ((lost > start) & (lost < end)).any():
         return "There is no frame in the selection to fill; select a longer range"
     if inside.all():
         return "The selection is the whole take; leave some motion on one side of it"
@@ -73,8 +73,7 @@ def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     if heard:
         text += ", as loud as the sound"
     lost = sum(g.missing for g in clip.gaps if start <= clip.times[g.frame] < end)
-    places = np.array(take.lost_rows.positions if take.lost_rows is not None else ())
-    seconds = np.interp(places, np.arange(len(clip)), clip.times)
+    seconds = _lost_seconds(take)
     found = int(((seconds > start) & (seconds < end)).sum())
     if found:
         text += (
@@ -83,6 +82,13 @@ def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     if lost > found:
         text += f"; the file has no row for {counted(lost - found, 'lost frame')}"
     return text
+
+
+def _lost_seconds(take: Take) -> Times:
+    """(L,) when the rows are that a fill can give a face to."""
+    places = np.array(take.lost_rows.positions if take.lost_rows is not None else ())
+    seconds: Times = np.interp(places, np.arange(len(take.clip)), take.clip.times)
+    return seconds
 
 
 def opening_heard(

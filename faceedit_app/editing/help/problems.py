@@ -23,6 +23,15 @@ from faceedit_app.editing.help.events import (
     open_eyes,
 )
 from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.help.lost_frames import (
+    BESIDE,
+    IN_PARTS,
+    STEADIED,
+    TOGETHER,
+    LostFrames,
+    beside_gaps,
+    lost_frames,
+)
 from faceedit_app.editing.help.on_character import LostClosure, gaps_on_character
 from faceedit_app.editing.help.shaking import find_shaking
 from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
@@ -30,18 +39,13 @@ from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.timing import counted
 
 SHAKE_WINDOW = 0.5  # seconds
-STEADIED = 0.04  # seconds of smoothing, proposed against shaking
 SHORTEST_SHAKE = 0.15  # seconds
-BESIDE = 0.15  # seconds on either side of a gap that may change so that motion runs through
-JUMP = 1.5  # mm across a gap that are noticeable
-TOGETHER = 0.3  # seconds; faults closer than this are reported as one
 _LIPS = control_named(LIP_OPENING).region
 _MOVE_WITH_LIPS: Bools = np.array([control_named(c).region == _LIPS for c in MAIN_CONTROLS])
 # What counts as entirely wrong, for `Problem.severity`.
 WIDE_APART = 5.0  # mm between lips that should meet
 VIOLENT = 1.5  # mm of shaking
-MANY = 12  # lost frames
-_IN_PARTS = f"too long for one fix; Fill replaces up to {LONGEST_FILL:.0f} s of it at a time"
+MANY = 12  # lost frames in a row
 HARDLY = 0.5  # confidence
 
 
@@ -134,8 +138,8 @@ def problems_of(
         *_unspoken(_lips(clip, values, measured), spoken),
         *_blinks(clip, measured),
         *_jitter(clip, main, spoken),
-        *_dropped(clip, main, lost, edits),
-        *_unsure(clip, confidence, edits),
+        *_dropped(lost_frames(clip, main, lost, confidence, edits)),
+        *_unsure(clip, confidence, lost, edits),
     ]
     if rigs is not None and rigs[0] is not rigs[1]:
         rows = [CONTROL_INDEX[control] for control in CLOSING]
@@ -251,55 +255,31 @@ def _jitter(clip: Clip, controls: Doubles, spoken: Sequence[Closure]) -> list[Pr
     return found
 
 
-def _dropped(
-    clip: Clip, controls: Doubles, lost: Sequence[float], edits: Sequence[Edit]
-) -> list[Problem]:
-    found = []
-    open_ = [gap for gap in clip.gaps if not _is_filled(clip, gap.frame, edits)]
-    for first, last in _joined([gap.frame for gap in open_], clip):
-        missing = sum(gap.missing for gap in open_ if first <= gap.frame <= last)
-        end = round(float(clip.times[min(last + 1, len(clip) - 1)]), 4)
-        start = round(float(clip.times[first]), 4)
-        before, after = controls[first : last + 1], controls[first + 1 : last + 2]
-        steps = np.abs(after - before[: len(after)])
-        jumps = steps.max(axis=0, initial=0.0)
-        worst = float(clip.times[first + int(steps.max(axis=1).argmax())]) if len(steps) else start
-        moved = tuple(name for name, jump in zip(MAIN_CONTROLS, jumps, strict=True) if jump > JUMP)
-        has_rows = any(first < position < last + 1 for position in lost)
-        fix = _through(clip, moved, start, end, has_rows, edits)
-        frames = "1 frame is" if missing == 1 else f"{missing} frames are"
-        message = f"{frames} missing"
-        if not has_rows:
-            message += f", and the file has no row for {'it' if missing == 1 else 'them'}"
-        if moved:
-            message += f"; a jump in: {describe_controls(moved)}"
-        size = counted(missing, "frame"), _share(missing, MANY)
-        instead = _IN_PARTS if has_rows and not fix else ""
-        found.append(
-            Problem(Kind.DROPPED, start, end, worst, moved, message, *size, fix, instead=instead)
+def _dropped(gaps: Sequence[LostFrames]) -> list[Problem]:
+    return [
+        Problem(
+            Kind.DROPPED,
+            gap.start,
+            gap.end,
+            gap.time,
+            gap.controls,
+            gap.message,
+            counted(gap.missing, "frame"),
+            _share(gap.most, MANY),
+            gap.fix,
+            instead=gap.instead,
         )
-    return found
+        for gap in gaps
+    ]
 
 
-def _is_filled(clip: Clip, frame: int, edits: Sequence[Edit]) -> bool:
-    """Whether a fill of the whole face covers the gap after a frame."""
-    start, end = (round(float(clip.times[i]), 4) for i in (frame, min(frame + 1, len(clip) - 1)))
-    return any(
-        edit.op is Op.FILL
-        and edit.effect is not None
-        and set(edit.controls) >= set(MAIN_CONTROLS)
-        and edit.start <= start
-        and end <= edit.end
-        for edit in edits
-    )
-
-
-def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> list[Problem]:
+def _unsure(
+    clip: Clip, confidence: Doubles | None, lost: Sequence[float], edits: Sequence[Edit]
+) -> list[Problem]:
     if confidence is None:
         return []
     unsure: Bools = (confidence > 0.0) & (confidence < UNSURE)  # 0: it has been filled
-    for start, end in clip.gap_times:  # beside a gap the fill of the gap covers them
-        unsure = unsure & ~((clip.times >= start - BESIDE) & (clip.times <= end + BESIDE))
+    unsure = unsure & ~beside_gaps(clip, lost, confidence)
     for edit in edits:
         if edit.op is Op.FILL and edit.enabled:
             unsure = unsure & ~((clip.times >= edit.start) & (clip.times <= edit.end))
@@ -325,62 +305,14 @@ def _unsure(clip: Clip, confidence: Doubles | None, edits: Sequence[Edit]) -> li
                 f"{100 * sure:.0f} % sure",
                 _share(UNSURE - sure, UNSURE - HARDLY),
                 (fill,) if fits else (),
-                instead="" if fits else _IN_PARTS,
+                instead="" if fits else IN_PARTS,
             )
         )
     return found
 
 
-def _through(
-    clip: Clip,
-    moved: tuple[str, ...],
-    start: float,
-    end: float,
-    has_rows: bool,
-    edits: Sequence[Edit],
-) -> tuple[Edit, ...]:
-    """What lets the motion run through a gap from `start` to `end` seconds; () if nothing can.
-
-    Rows of the file get a face; other missing frames stay missing, and those beside them change.
-
-    Args:
-        moved: the curves that jump.
-        has_rows: whether rows of the file lie in the gap.
-        edits: a smoothing that has been made does not help a second time.
-    """
-    first, last = max(start - BESIDE, 0.0), min(end + BESIDE, float(clip.times[-1]))
-    if last - first <= LONGEST_FILL:
-        fill = (round(first, 4), round(last, 4), 0.0)
-        fills = bool(moved) or has_rows
-        return (Edit(MAIN_CONTROLS, Op.FILL, *fill, name="Fill the gap"),) if fills else ()
-    softened = {
-        control
-        for edit in edits
-        if edit.op is Op.SMOOTH
-        and edit.effect is not None
-        and edit.start <= start
-        and end <= edit.end
-        for control in edit.controls
-    }
-    rest = tuple(control for control in moved if control not in softened)
-    return (
-        (Edit(rest, Op.SMOOTH, start, end, 0.1, STEADIED, name="Soften the jump"),) if rest else ()
-    )
-
-
 def _share(amount: float, most: float) -> float:
     return min(max(amount / most, 0.0), 1.0) if most > 0 else 1.0
-
-
-def _joined(frames: list[int], clip: Clip) -> list[tuple[int, int]]:
-    """Frames as runs (first, last); frames close together form one run."""
-    runs: list[tuple[int, int]] = []
-    for frame in sorted(frames):
-        if runs and clip.times[frame] - clip.times[runs[-1][1]] <= TOGETHER:
-            runs[-1] = (runs[-1][0], frame)
-        else:
-            runs.append((frame, frame))
-    return runs
 
 
 def _runs(where: Bools, join: int) -> list[tuple[int, int]]:

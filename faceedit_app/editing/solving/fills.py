@@ -196,7 +196,8 @@ class Fills:
             if edit.op is Op.RESET:
                 out[covered] = np.nan
             first, stop = fill_frames(times, edit.span)
-            if edit.op is Op.FILL and 0 < stop - first < len(times):
+            # A fill between two frames covers none.
+            if edit.op is Op.FILL and stop - first < len(times):
                 stretch = self._stretch(
                     edit, self._made(_acting(edits[:i]), whole), whole, first, stop
                 )

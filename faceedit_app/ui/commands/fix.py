@@ -89,8 +89,7 @@ class FixCommands:
                 f"Select the range to fill first, up to {LONGEST_FILL:.0f} s"
             )
             return
-        clip = session.take.clip
-        if why := fill.cannot_fill(clip, *selection):
+        if why := fill.cannot_fill(session.take, *selection):
             self._workspace.message.emit(why)
             return
         sound = self._workspace.media.sound
@@ -211,12 +210,12 @@ class FixCommands:
 
     @staticmethod
     def _variations(fix: tuple[Edit, ...]) -> list[tuple[Edit, ...]]:
-        """A fix that is a fill, in four variations; else nothing."""
+        """A fix of fills, in four variations; else nothing."""
         from faceedit_app.editing.help.fill import variations
 
-        if len(fix) != 1 or fix[0].op is not Op.FILL:
+        if any(edit.op is not Op.FILL for edit in fix):
             return []
-        return [(each,) for each in variations(fix[0])]
+        return list(zip(*map(variations, fix), strict=True))
 
     def fix_all(self) -> None:
         """Preview fixes for all problems that are ticked in the list, and show the list."""
