@@ -14,8 +14,11 @@ CHOOSE_TAKE = "choose a take, such as a Live Link Face CSV"
 REPAIR = "correct it or delete the line"
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path, most: int = -1) -> bytes:
     """The content of a file.
+
+    Args:
+        most: bytes to read from its beginning; -1 for all.
 
     Raises:
         FileError: it is missing, a folder, unreadable or too large.
@@ -29,7 +32,10 @@ def read_bytes(path: Path) -> bytes:
             raise FileError(path, "is not a regular file", CHOOSE_TAKE)
         if path.stat().st_size > _LARGEST_FILE:
             raise FileError(path, "is larger than 1 GB", "split the take into shorter ones")
-        return path.read_bytes()
+        if most < 0:
+            return path.read_bytes()
+        with path.open("rb") as file:
+            return file.read(most)
     except OSError as error:
         reason = reason_of(error)
         raise FileError(

@@ -23,6 +23,8 @@ _ACTION_UNIT = re.compile(rb"^[^\n]*\bAU\d\d(?:_[rc])?\b[^\n]*\bAU\d\d", re.MULT
 _GLTF = re.compile(rb'\s*\{.*"asset"\s*:\s*\{[^}]*"version"', re.DOTALL)
 _PICKLE = re.compile(rb"\x80[\x02-\x05].*\.", re.DOTALL)
 _WEB_PAGE = re.compile(rb"\s*<(?:!doctype html|html|head)\b", re.IGNORECASE)
+_PICTURES = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"II*\0", b"MM\0*", b"8BPS")
+_HEIC = (b"heic", b"heix", b"hevc", b"mif1", b"msf1", b"avif", b"avis")
 _AS_GLB_OR_CSV = "export the animation as GLB or CSV"
 _AS_USDA = "save it as text (.usda): usdcat -o TAKE.usda FILE"
 _SAVE_AS_CSV = "save it as CSV with a line of ARKit names at the top"
@@ -75,6 +77,14 @@ def _is_film(content: bytes) -> bool:
     return is_mp4 or is_avi or content.startswith((b"\x1aE\xdf\xa3", b"\0\0\x01\xba"))
 
 
+def _is_picture(content: bytes) -> bool:
+    """PNG, JPEG, GIF, WebP, BMP, TIFF, HEIC, AVIF or Photoshop, by how they begin."""
+    is_webp = content[:4] == b"RIFF" and content[8:12] == b"WEBP"
+    is_bitmap = content[:2] == b"BM" and content[6:10] == b"\0\0\0\0"
+    is_heic = content[4:8] == b"ftyp" and content[8:12] in _HEIC
+    return is_webp or is_bitmap or is_heic or content.startswith(_PICTURES)
+
+
 def _is_number(cell: bytes) -> bool:
     try:
         float(plain_text(cell))
@@ -117,6 +127,8 @@ _FOREIGN: tuple[Foreign, ...] = (
     Foreign("is a glTF in text form", "save it as one GLB file", _matches(_GLTF)),
     Foreign("is a GLB without an animation of shapes with ARKit names",
             "export the character with its shape keys and their animation", _starts(b"glTF")),
+    Foreign("is a picture, not a take or a film", "choose a take, or a film such as an MP4",
+            _is_picture),
     Foreign("is a film, not a take", "track it: File > Track a film", _is_film,
             "faceedit track makes a take of it"),
     Foreign("is an FBX file", _AS_GLB_OR_CSV, _starts(b"Kaydara FBX Binary", b"; FBX")),

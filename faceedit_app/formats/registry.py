@@ -40,6 +40,9 @@ from faceedit_app.formats.foreign import recognise_foreign
 from faceedit_app.formats.other_readers import is_plain_csv, is_plain_livelink
 from faceedit_app.formats.take import Source, Take
 
+_START = 1 << 20  # bytes in which a whole take of usual length fits
+_START_OF_TEXT = 1024  # bytes in which binary data has a zero
+
 
 @dataclass(frozen=True)
 class Format:
@@ -168,6 +171,20 @@ def recognise(path: Path, content: bytes) -> Format:
             problem = f'holds no ARKit channel, but "{shown(name)}"'
             raise FileError(path, problem, f"if {meant} is meant, correct the name", line)
     raise NotTake(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
+
+
+def check_start(path: Path) -> None:
+    """Refuse a file whose beginning shows that it is not a take; quick enough to wait for.
+
+    Raises:
+        NotTake: it is not a take.
+        FileError: it cannot be read, or is damaged.
+    """
+    start = read_bytes(path, _START)
+    binary = 0 <= start.find(b"\0") < _START_OF_TEXT and not as_utf8(start[:_START_OF_TEXT])[1]
+    # What makes a long text or GLB a take may follow later.
+    if len(start) < _START or (binary and not start.startswith(b"glTF")):
+        recognise(path, as_utf8(start)[0])
 
 
 def find_format(content: bytes) -> Format | None:

@@ -164,7 +164,7 @@ def read_landmarks(
         Unavailable: PyAV is not installed.
         Abandoned: `stopped` returned True.
     """
-    _check_kind(path)
+    check_kind(path)
     film = Film(path, stopped)
     rate = usual_rate(film.times)
     if len(film) < _FEWEST or rate < _SLOWEST:
@@ -308,8 +308,13 @@ def usual_rate(times: Times) -> float:
     return (len(steps) - len(pauses)) / shown
 
 
-def _check_kind(path: Path) -> None:
-    """Refuse photos, animated pictures and films that are too large."""
+def check_kind(path: Path) -> None:
+    """Refuse photos, animated pictures and films that are too large; quick enough to wait for.
+
+    Raises:
+        FileError: it is one of them, or cannot be read as a film.
+        Unavailable: PyAV is not installed.
+    """
     with opened(path) as container:
         names = container.format.name.split(",")
         stream = film_stream(container)

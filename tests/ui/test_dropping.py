@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from PIL import Image
 from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 from support.takes import make_livelink_csv
-from support.windows import Bench, add_edit, bench, drop, drop_only, editor_of, open_path
+from support.windows import Bench, add_edit, bench, drop, drop_only, editor_of, open_path, trigger
 
 from faceedit_app.ui.commands.dialogs import Unsaved
 
@@ -34,6 +35,28 @@ def test_no_question_opens_before_the_drop_is_over_wherever_it_lands(bench: Benc
         QApplication.sendPostedEvents(window, QEvent.Type.MetaCall.value)
         assert not bench.answers, target
     assert open_path(window) == bench.take
+
+
+def test_a_file_that_cannot_be_opened_is_refused_before_anything_is_asked(bench: Bench) -> None:
+    """However it comes; no answer is prepared, so a question would fail."""
+    window = bench.editing()
+    add_edit(window)
+    photo, film = (bench.folder / name for name in ("photo.gif", "film.mp4"))
+    for path in (photo, film):
+        Image.new("RGB", (64, 64)).save(path, "GIF")
+    others = [bench.folder / name for name in ("missing.csv", "empty.csv", "page.csv", "raw.csv")]
+    for path, content in zip(others[1:], (b"", b"<html></html>", bytes(1 << 20)), strict=True):
+        path.write_bytes(content)
+    for path in (photo, *others):
+        drop(window, path)
+        bench.answers["open"] = path
+        trigger(window, "open")
+    bench.answers["film_to_track"] = film
+    trigger(window, "track_film")
+    assert len(bench.errors) == 11
+    assert all("is a picture" in error for error in (*bench.errors[:2], bench.errors[-1]))
+    assert all(path.name in error for path, error in zip(others, bench.errors[2::2], strict=False))
+    assert not bench.answers
 
 
 def test_files_are_refused_while_a_question_is_open(bench: Bench) -> None:

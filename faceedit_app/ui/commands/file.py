@@ -53,10 +53,9 @@ class FileCommands:
 
     def ask_open(self) -> None:
         """Open a take or a project that the user chooses."""
-        if self.may_close():
-            path = dialogs.ask_open(self._window, self._workspace.beside("take"))
-            if path is not None:
-                self.open(path)
+        path = dialogs.ask_open(self._window, self._workspace.beside("take"))
+        if path is not None:
+            self.open_if_saved(path)
 
     def open_demo(self) -> None:
         """Open the take that ships with FaceEdit."""
@@ -69,10 +68,33 @@ class FileCommands:
 
     def open_if_saved(self, path: Path) -> None:
         """Open a file, after asking about edits that would be lost."""
+        if self._is_refused(path):
+            return
         # A project comes with its character.
         is_project = path.suffix.lower() == PROJECT_SUFFIX
         if self.may_close() and (not is_project or self.character.may_leave()):
             self.open(path)
+
+    def _is_refused(self, path: Path) -> bool:
+        """Whether a file is seen at once not to be one to open; then the user is not asked to save.
+
+        Without changes that would be lost, reading it says the same.
+        """
+        if not self._workspace.has_changes:
+            return False
+        try:
+            if is_film(path):
+                from faceedit_app.tracking.film_landmarks import check_kind
+
+                check_kind(path)
+            elif not may_hold_character(path) and path.suffix.lower() != PROJECT_SUFFIX:
+                from faceedit_app.formats.registry import check_start
+
+                check_start(path)
+        except FaceEditError as error:
+            self._show_error(error)
+            return True
+        return False
 
     def open(self, path: Path) -> None:
         """Read a take or a project in the background; on an error the current one stays open.
@@ -101,7 +123,7 @@ class FileCommands:
     def ask_track(self) -> None:
         """Track the face in a film that the user chooses."""
         film = dialogs.ask_film_to_track(self._window, self._preferences.folder("media"))
-        if film is not None and self.may_close():
+        if film is not None and not self._is_refused(film) and self.may_close():
             self._preferences.set_folder("media", film.resolve().parent)
             self.track(film)
 
