@@ -100,6 +100,25 @@ def test_each_frame_is_solved_by_itself(closing: Closing, closed: Floats) -> Non
     np.testing.assert_allclose(closing(speech()[40:60]), closed[40:60], atol=2e-3)
 
 
+def test_lips_that_rest_together_close_without_a_jump_from_frame_to_frame(closing: Closing) -> None:
+    """Weights that come to their bounds, and leave them, take no other way than those around."""
+    time = np.arange(120) / 30.0
+    weights = np.zeros((120, 52), np.float32)
+    weights[:, JAW] = 0.12 + 0.05 * np.sin(3 * time)
+    weights[:, CLOSE] = weights[:, JAW] * (0.9 + 0.1 * np.sin(5 * time))
+    for name, moves in (
+        ("mouthSmile{}", 0.2 + 0.2 * np.sin(time)),
+        ("mouthUpperUp{}", np.maximum(0.1 * np.sin(2 * time), 0.0)),
+        ("mouthRollUpper", np.maximum(0.05 * np.cos(2.3 * time), 0.0)),
+        ("mouthRollLower", np.maximum(0.05 * np.cos(3.3 * time), 0.0)),
+    ):
+        for side in ("Left", "Right"):
+            weights[:, ARKIT_INDEX[name.format(side)]] = moves
+    change = closing(weights) - weights
+    assert np.abs(change).max(axis=1).min() > 0.02
+    assert np.abs(np.diff(change, 2, axis=0)).max() < 0.012
+
+
 def test_a_character_that_closes_as_ours_does_keeps_its_weights_nearly() -> None:
     same = Closing(shipped_rig(), shipped_rig())
     assert np.abs(same(speech()) - speech()).max() < 0.25

@@ -104,10 +104,6 @@ class Reach:
         natural: (K, K) by which the length of a change is judged; None = `covariance`. A take
             that hardly moves is not a face that can hardly move.
         wide: (K, K) covariance for changes that `covariance` does not know; None = `covariance`.
-        iterations: the most steps of a search.
-        gain: a search ends at a step that brings less than this share of what was left.
-        by_height: whether lids shut by their height; not where those of another character, which
-            shut later, need ours to pass each other.
     """
 
     def __init__(
@@ -118,11 +114,7 @@ class Reach:
         coupled: tuple[int, int] | None = None,
         natural: Doubles | None = None,
         wide: Doubles | None = None,
-        iterations: int = ITERATIONS,
-        gain: float = GAIN,
-        by_height: bool = True,
     ) -> None:
-        self._iterations, self._gain = iterations, gain
         self._distances, self._channels = distances, channels
         self._covariance, self._coupled = covariance, coupled
         self._more = None if wide is None else wide - covariance
@@ -132,7 +124,7 @@ class Reach:
         self._slopes = np.ascontiguousarray(gradients.transpose(1, 2, 0))  # (C, 3, K)
         self._spreads = self._slopes @ covariance
         shuts = distances.shuts & distances.gradients[:, :, ::2].any(axis=(0, 2))
-        lids = np.flatnonzero(shuts & by_height)
+        lids = np.flatnonzero(shuts)
         self._upwards = np.where(distances.offsets[lids, 1] < 0, -1.0, 1.0)
         # All of them as a slice are not copied.
         self._lids: Rows | None = None if not len(lids) else lids
@@ -206,7 +198,7 @@ class Reach:
         rows: Indices | None = None  # the frames that are not done yet; None = all
         change, frozen = np.zeros_like(frames.start), np.zeros_like(frames.start, np.bool_)
         here = self._place(frames, frames.vectors, lengths)
-        for iteration in range(self._iterations):
+        for iteration in range(ITERATIONS):
             directions, wanted = self._linear(frames, here, passed and iteration == 0)
             aim = self._step(frames, directions, wanted, change, frozen)
             aim *= self._shortening(aim, frames.limit)
@@ -220,7 +212,7 @@ class Reach:
                 found[rows], there[rows] = new, here.lengths
             going = here.costs > MET
             if iteration:  # bounds show in the first step, and are kept to from the second
-                going &= here.costs < (1.0 - self._gain) * before
+                going &= here.costs < (1.0 - GAIN) * before
             if not going.any():
                 break
             moving = (np.abs(new - change) > SETTLED) | (stopped != frozen)
