@@ -40,6 +40,7 @@ from faceedit_app.formats.rotations import all_rotations, found_rotations
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.timecode_readings import OWN_BASE_NOTES
 from faceedit_app.formats.timing import NoTimes, of_pictures
 from faceedit_app.formats.weights import PERCENT
 
@@ -183,7 +184,7 @@ def csv_take(
     frames = np.flatnonzero(~rows.lost)
     timing = times.timing
     if places.confidence is not None and times.kind in ("timecode", "seconds"):  # tracked in a film
-        timing = of_pictures(timing, frames)
+        timing = of_pictures(timing, frames, OWN_BASE_NOTES)
     stated = rate_in_table(table, partial(places.cells, rows))
     scale, scale_notes = _scale(table, columns, rows)
     recording = Recording(

@@ -22,6 +22,8 @@ MILLISECONDS = 1000  # the base of a timecode that gives milliseconds in place o
 BASES = (24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 240)
 _BROADCAST = {24: 24 / 1.001, 30: 30 / 1.001, 60: 60 / 1.001}
 _OFF = 0.25  # frames by which a step is off the ordinary one
+_SHORT_OF = 0.05  # steps by which a second may end later than after its last frame
+_SLOWER = 1.5  # frames from row to row, if there is none for each frame of the base
 _WORST = 4.0  # the most that one step adds to the unevenness, in ordinary steps
 _LOST = 0.5  # the factor of that for a step of several ordinary ones
 _CHANCE = 0.02  # the probability that counts as chance
@@ -132,21 +134,35 @@ def _plain_base(stamps: Stamps) -> tuple[int, tuple[str, ...]]:
             # 24 without its last number looks like 25 that lost a frame there, 48 like 50.
             unsure = base == most or base in _NEAR_ANOTHER or agree < len(over)
             few = agree < _AGREE - 1 or best < _LOST
-            return base, _assumed(base) if unsure and few else ()
+            guessed = unsure and few and not _is_reached(base, most, step)
+            return base, _assumed(base) if guessed else ()
         fall = float(np.percentile(falls, 75, method="higher"))
         nearest = min(possible, key=lambda base: abs(base - fall), default=0)
         few = len(over) < _AGREE
         if abs(nearest - fall) <= 0.1 * fall:
-            return nearest, _assumed(nearest) if few and nearest - fall > step / 2 else ()
+            guessed = few and nearest - fall > step / 2 and not _is_reached(nearest, most, step)
+            return nearest, _assumed(nearest) if guessed else ()
         if few:
             # An unusual base takes more proof; frames lost at the second are likelier.
             likely = [base for base in possible if base >= fall]
+            if likely and step > _SLOWER and DEFAULT_BASE in likely:
+                likely = [DEFAULT_BASE]  # cameras slower than their timecode count on this one
             if likely:
-                return likely[0], _assumed(likely[0])
+                sure = _is_reached(likely[0], most, step)
+                return likely[0], () if sure else _assumed(likely[0])
         if round(fall) > most:
             return round(fall), ()
     base = assumed_base(stamps)
-    return base, _assumed(base)
+    sure = bool(np.any(seconds > 0)) and _is_reached(base, most, step)
+    return base, () if sure else _assumed(base)
+
+
+def _is_reached(base: int, most: float, step: float) -> bool:
+    """Whether the largest frame is the last before the next second, so that the base is shown.
+
+    Only of the usual base: others have neighbours that lost frames may make of them.
+    """
+    return base == DEFAULT_BASE and 0 < base - most <= (1 + _SHORT_OF) * step
 
 
 def _is_rounded_up(stamps: Stamps, most: float, step: float) -> bool:
@@ -160,6 +176,9 @@ def _is_rounded_up(stamps: Stamps, most: float, step: float) -> bool:
 
 def _assumed(base: int) -> tuple[str, ...]:
     return (f"the timecode does not say its base: {base} fps is assumed",)
+
+
+OWN_BASE_NOTES = _assumed(DEFAULT_BASE)  # needless for what FaceEdit wrote
 
 
 def assumed_base(stamps: Stamps) -> int:

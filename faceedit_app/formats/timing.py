@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -185,15 +185,19 @@ def _uneven(times: Times, rate: float, notes: tuple[str, ...]) -> Timing:
     return Timing(times, rate, (*notes, note))
 
 
-def of_pictures(timing: Timing | NoTimes, rows: Indices) -> Timing | NoTimes:
+def of_pictures(
+    timing: Timing | NoTimes, rows: Indices, known: tuple[str, ...] = ()
+) -> Timing | NoTimes:
     """The timing of a film's pictures, which may have been taken unevenly.
 
     Args:
         rows: (T,) the rows of the frames in the file, which has one for each picture.
+        known: notes that are needless, because FaceEdit wrote the file.
     """
-    if isinstance(timing, NoTimes) or stretches(timing.times):
+    if isinstance(timing, NoTimes):
         return timing
-    rate = mean_rate(timing.times, rows)
+    timing = replace(timing, notes=tuple(note for note in timing.notes if note not in known))
+    rate = None if stretches(timing.times) else mean_rate(timing.times, rows)
     if rate is None:
         return timing
     notes = tuple(note for note in timing.notes if format_rate(timing.rate) not in note)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +58,23 @@ def test_a_take_says_how_sure_it_is_of_each_frame(take: Path) -> None:
     assert not any("header has" in note for note in opened.notes)
     assert [name.lower() for name in opened.carried][-1] == "confidence"
     assert len(opened.clip.channels) == len(ARKIT_CHANNELS)
+
+
+@pytest.mark.parametrize("rate", [24, 25, 30, 60])
+@pytest.mark.parametrize("lost", [(3, 4), (23, 24, 29, 30), range(10, 35), ()])
+def test_the_timecode_of_a_tracked_take_is_known(
+    rate: int, lost: Sequence[int], tmp_path: Path
+) -> None:
+    """Also if it is short, or has gaps where its seconds end."""
+    clip, kept = a_clip(), np.setdiff1d(np.arange(COUNT), lost)
+    times = (np.arange(COUNT) / rate)[kept]
+    clip = replace(clip, weights=clip.weights[kept], times=times, confidence=SURE[kept])
+    path = tmp_path / "take.csv"
+    path.write_bytes(livelink.write(replace(clip, rate=float(rate))))
+    opened = open_take(path)
+    assert opened.clip.rate == rate
+    assert opened.clip.times == pytest.approx(times, abs=1e-4)
+    assert not any("assumed" in note for note in opened.notes)
 
 
 @pytest.mark.parametrize("form", ["livelink", "csv", "audio2face"])

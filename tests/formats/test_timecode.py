@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -214,6 +214,14 @@ def test_an_assumed_base_is_admitted() -> None:
     timing = derive_timing(codes(every(1, 10)))
     assert timing.rate == 60
     assert "60 fps is assumed" in timing.notes[0]
+
+
+@pytest.mark.parametrize("lost", [range(20, 30), range(11, 40), (3, 25, 26, 49, 50, 51)])
+def test_a_base_that_the_last_frame_of_a_second_shows_is_not_assumed(lost: Sequence[int]) -> None:
+    """25 fps on a base of 60: after frame 57.6 a second ends, whatever is lost elsewhere."""
+    rows = [frame for i, frame in enumerate(every(2.4, 75)) if i not in lost]
+    timing = derive_timing(codes(rows))
+    assert (timing.rate, timing.notes) == (25, ("25 fps on a 60 fps timecode",))
 
 
 @settings(deadline=None, derandomize=True)
