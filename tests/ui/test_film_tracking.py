@@ -61,9 +61,13 @@ def test_a_film_becomes_a_take_beside_its_film(bench: Bench, own: Path) -> None:
     window = bench.window()
     take = own.with_name("face.csv")
     bench.answers |= {"film_to_track": own, "save_take": take}
+    said: list[str] = []
+    window.status.messageChanged.connect(said.append)
     trigger(window, "track_film")
     assert window.workspace.unfinished.names == ["face.csv"]  # closing asks about it
     tracked(bench, window, take)
+    assert any(text.startswith("Tracked 25 frames of") for text in said)
+    assert not any("found beside" in text for text in said), "it matters less"
     assert window.workspace.unfinished.names == []
     assert not any(dialog.isVisible() for dialog in window.findChildren(TrackingDialog))
     assert len(session_of(window).take.clip) == 25

@@ -8,7 +8,7 @@ from support.media import FakeOutput, settle, with_media
 from support.takes import make_livelink_csv
 from support.windows import Bench, drop, editor_of, trigger
 
-from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.start.window import MainWindow
 
@@ -64,6 +64,12 @@ def test_another_film_brings_another_sound_or_none(bench: Bench, devices: list[F
     window = with_media(bench, first, second)
     assert window.media.sound is not None
     assert window.media.sound.path == second
+    said = window.status.currentMessage()
+    assert said.startswith("b.mp4 replaces a.mp4; Undo brings it back; File > Track a film")
+    trigger(window, "undo")
+    assert window.media.placement.film == MediaFile(first)
+    trigger(window, "redo")
+    settle(bench, window)
     window.media.add(make_film(bench.folder / "c.mp4"))
     settle(bench, window)
     assert window.media.film is not None

@@ -48,6 +48,21 @@ def describe_change(before: Placement, after: Placement) -> str:
     return "Sound and film"
 
 
+def describe_added(path: Path, before: Placement, after: Placement) -> str:
+    """What to say of a file that was added: if it took the place of another one, which, too."""
+    film, sound = _replaced(before.film, after.film), _replaced(before.sound, after.sound)
+    if not (film or sound):
+        return f"Added {path.name}"
+    said = f"{path.name} replaces {film or sound}; Undo brings it back"
+    return f"{said}; File > Track a film makes a new take of a film" if film else said
+
+
+def _replaced(old: MediaFile | None, new: MediaFile | None) -> str:
+    """The name of the file that another one took the place of; "" if there is none."""
+    is_replaced = old is not None and new is not None and old.path != new.path
+    return old.path.name if old is not None and is_replaced else ""
+
+
 def sound_moved(before: Placement, after: Placement) -> float:
     """Seconds by which the same sound begins later; 0 if it is another one."""
     old, new = before.sound, after.sound

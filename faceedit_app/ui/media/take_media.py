@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FaceEditError, FileError
-from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.media import MediaFile, Placement, describe_added
 from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside, offset_by_clock
 from faceedit_app.ui.media.overlay import LandmarksOverlay
@@ -74,6 +74,7 @@ class TakeMedia(QObject):
         turned(): the film was mirrored, or mirrored back.
         acted(): the user added, removed or moved something; the gesture is over.
         message(str): what was done, for the status bar.
+        found(str): what was found beside the take, for the status bar if it says nothing else.
         failed(object): a FaceEditError about a file that the user added.
         missed(object): a FaceEditError about a file found beside the take, or in the project.
     """
@@ -84,6 +85,7 @@ class TakeMedia(QObject):
     turned = Signal()
     acted = Signal()
     message = Signal(str)
+    found = Signal(str)
     failed = Signal(object)
     missed = Signal(object)
 
@@ -247,7 +249,7 @@ class TakeMedia(QObject):
     def _announce(self) -> None:
         """Emit the message once the last file is read."""
         if not self.pending and self._found:
-            self.message.emit(self._found)
+            self.found.emit(self._found)
             self._found = ""
 
     def _run(
@@ -294,9 +296,10 @@ class TakeMedia(QObject):
             for error in found.errors:
                 self.failed.emit(error)
             if found.film is not None or found.sound is not None:
+                before = self.placement
                 self._add(path, found)
                 said = () if found.film is None else found.film.remarks
-                self.message.emit("; ".join((f"Added {path.name}", *said)))
+                self.message.emit("; ".join((describe_added(path, before, self.placement), *said)))
                 self.acted.emit()
 
         self._run(read, done, self.failed.emit)

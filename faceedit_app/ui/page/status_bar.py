@@ -71,6 +71,11 @@ class StatusBar(QStatusBar):
         self.addPermanentWidget(self.networks)
         self.set_networks("loading")
 
+    def say_if_idle(self, text: str, milliseconds: int) -> None:
+        """Show a message, unless another one, which matters more, is shown."""
+        if not self.currentMessage():
+            self.showMessage(text, milliseconds)
+
     def set_take(self, take: Take) -> None:
         """Show facts about another take."""
         clip = take.clip

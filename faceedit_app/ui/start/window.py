@@ -108,6 +108,7 @@ class MainWindow(WindowBase):
         opener.character_loaded.connect(self._load_model)
         for message in (workspace.message, media.message):
             message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
+        media.found.connect(lambda text: self.status.say_if_idle(text, _MESSAGE_MS))
         workspace.warning.connect(self.banner.show_message)
         workspace.doubt.connect(lambda text, holds: self.banner.show_message(text, holds=holds))
         workspace.offer.connect(self.banner.offer)
