@@ -45,6 +45,7 @@ from faceedit_app.lab.training.card import (
 from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.completion import is_completed
 from faceedit_app.lab.training.fit import fit_region
+from faceedit_app.render.camera import Camera, default_camera
 
 
 @pytest.fixture(scope="module")
@@ -317,10 +318,13 @@ def test_the_card_measures_each_source_by_networks_that_never_saw_it(
 def test_before_and_after_are_drawn_for_every_gesture(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = []
+    drawn, cameras = [], []
 
-    def picture(rig: Rig, weights: np.ndarray, width: int, height: int) -> np.ndarray:
+    def picture(
+        rig: Rig, weights: np.ndarray, width: int, height: int, camera: Camera
+    ) -> np.ndarray:
         drawn.append(weights)
+        cameras.append(camera)
         return np.full((height, width, 3), 7, np.uint8)
 
     monkeypatch.setattr("faceedit_app.lab.evaluation.faces.snapshot", picture)
@@ -334,6 +338,11 @@ def test_before_and_after_are_drawn_for_every_gesture(
     wink = [face.name for face in FACES].index("wink")
     change = (drawn[2 * wink + 1] - drawn[2 * wink])[blink]
     assert change[0] > 0.1 > change[1]
+    portrait = default_camera(shipped_rig())
+    near = {
+        face.name for face, camera in zip(FACES, cameras[::2], strict=True) if camera != portrait
+    }
+    assert near == {"wink", "half-closed eyes"}, "eyes are too small in a portrait"
 
 
 def test_figures_in_a_card_are_replaced_and_nothing_else() -> None:
