@@ -251,14 +251,17 @@ def _report(
 
 
 def _facts(tracked: Tracked, take: Path, fps: float | None) -> dict[str, Any]:
-    clip, gone = tracked.take_at(fps)
+    from faceedit_app.formats.opening import open_take
+
+    _, gone = tracked.take_at(fps)
+    clip = open_take(take).clip  # the rate is what the take has wherever it is opened
     return {
         "film": str(tracked.landmarks.path),
         "path": str(take),
         "frames": len(clip),
         "lost": len(gone),
         "rate": round(clip.rate, 6),
-        "duration_s": round(float(clip.times[-1] - clip.times[0]) + 1.0 / clip.rate, 6),
+        "duration_s": round(clip.duration, 6),
         "confidence": round(float(tracked.confidence[tracked.sure].mean()), 3),
         "notes": list(tracked.notes),
     }

@@ -12,6 +12,7 @@ from PIL import Image
 
 from faceedit_app.core.arrays import Doubles, Pixels, Times
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.timing import counted
 from faceedit_app.media.container import check, film_stream, opened
 from faceedit_app.media.film import BEHIND, Film
 from faceedit_app.tracking.following import CERTAIN, Follower
@@ -81,6 +82,7 @@ class FilmLandmarks:
         probabilities: (F,) as `FaceLandmarks.probability`; 0 where it was not found.
         colors: (F, 478, 3) uint8, see `colors_at`; 0 where it was not found.
         lips: (F, SAMPLES, 3) uint8, see `colors_across`; 0 where it was not found; None = unknown.
+        damaged: the number of pictures that could not be read, and show no face therefore.
         remarks: as `Film.remarks`.
     """
 
@@ -94,6 +96,7 @@ class FilmLandmarks:
     colors: Pixels
     lips: Pixels | None = None
     remarks: tuple[str, ...] = ()
+    damaged: int = 0
 
     @property
     def quarter_turns(self) -> int:
@@ -169,11 +172,10 @@ def read_landmarks(
     rate = usual_rate(film.times)
     if len(film) < _FEWEST or rate < _SLOWEST:
         film.close()
-        count = "1 picture" if len(film) == 1 else f"{len(film)} pictures"
-        what = f"has {count}" if len(film) < _FEWEST else f"has {rate:.2g} pictures a second"
-        raise FileError(
-            path, f"{what}, too few for a take", f"use a film with {_SLOWEST:g} or more a second"
-        )
+        what, least = f"has {rate:.2g} pictures a second", f"{_SLOWEST:g} or more a second"
+        if len(film) < _FEWEST:
+            what, least = f"has {counted(len(film), 'picture')}", f"{_FEWEST} pictures or more"
+        raise FileError(path, f"{what}, too few for a take", f"use a film with {least}")
     seeing = _Seeing(film, landmarker, face, choose, rate)
     try:
         for done, index in enumerate(seeing.order, 1):
@@ -192,7 +194,7 @@ def read_landmarks(
         raise FileError(
             path, f"shows no face{why}", "use a film in which a face looks at the camera"
         )
-    return seeing.seen
+    return replace(seeing.seen, damaged=len(film.damaged))
 
 
 class _Seeing:

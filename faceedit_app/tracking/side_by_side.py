@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Pixels, Times
+from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
@@ -23,39 +23,18 @@ from faceedit_app.render.camera import default_camera
 from faceedit_app.render.renderer import FaceRenderer, open_renderer
 from faceedit_app.render.snapshot import write_png
 from faceedit_app.tracking.drawing import DRAWN, STROKES, places_of
+from faceedit_app.tracking.film_landmarks import usual_rate
 from faceedit_app.tracking.landmark_file import StoredLandmarks
+from faceedit_app.tracking.moments import Column, moments, sheet
 from faceedit_app.tracking.tracker import Tracked
 
 HEIGHT = 480  # pixels of each picture
-_ROWS = 4  # of the picture
-_VISIBLE = 0.5  # mm by which an edit changes a curve
+_FASTEST = 120.0  # pictures a second that are written
 _MARGIN = 3.2  # of the square around the face, in heights from the brows to the lower lip
 _GAP = 0.35  # how bright the face is while the film shows none
 _KEPT = 4  # faces that were drawn last
 _AROUND = 4  # pixels around the landmarks that are drawn
 _SHARP = 2  # lines are drawn so many times as large and scaled down
-
-
-@dataclass(frozen=True)
-class Column:
-    """A face for each of the F pictures of a film.
-
-    Attributes:
-        weights: (T, 52) in ARKit's order, of a take's frames.
-        rows: (F,) the frame that is nearest to each picture.
-        is_there: (F,) whether it belongs to the picture; else the take has a gap there.
-    """
-
-    weights: Floats
-    rows: Indices
-    is_there: Bools
-
-    @classmethod
-    def of(cls, clip: Clip, times: Times) -> Column:
-        """The frames of a clip at times (F,) of its clock."""
-        rows = np.array([clip.frame_at(seconds) for seconds in times.tolist()], np.intp)
-        is_there = np.abs(clip.times[rows] - times) < 0.75 / clip.rate
-        return cls(clip.arkit_weights(), rows, is_there)
 
 
 @dataclass(frozen=True)
@@ -67,11 +46,13 @@ class SideBySide:
         places: the landmarks (478, 2) in a picture by its number, shares of its width and height;
             None if it shows no face, or is a gap.
         faces: as tracked and, if there are edits, as edited.
+        offset: seconds of the take at which the film begins.
     """
 
     film: Path
     places: Callable[[int], Doubles | None]
     faces: tuple[Column, ...]
+    offset: float = 0.0
 
     @classmethod
     def of_tracked(cls, tracked: Tracked, edited: Clip | None = None) -> SideBySide:
@@ -84,7 +65,7 @@ class SideBySide:
         faces = [Column.of(clip, film.times)]
         if edited is not None:
             faces.append(Column.of(edited, film.times - clip.times[0]))
-        return cls(film.path, places, tuple(faces))
+        return cls(film.path, places, tuple(faces), -float(clip.times[0]))
 
     @classmethod
     def of_take(
@@ -107,7 +88,7 @@ class SideBySide:
         if not face.is_there.any():
             raise FileError(film.path, "shows nothing of the take", "move the film in time")
         same = np.array_equal(face.weights, after.weights)  # False if gaps were filled
-        return cls(film.path, stored.at, (face,) if same else (face, after))
+        return cls(film.path, stored.at, (face,) if same else (face, after), offset)
 
 
 def check_names(output: Path, inputs: Iterable[Path]) -> None:
@@ -153,15 +134,17 @@ def write_side_by_side(
     """
     picture = output.with_suffix(".png")
     with _Columns(shown, rig) as columns:
-        rows = [columns.picture(index) for index in _moments(shown, rig)]
-        size, rate = (rows[0].shape[1], rows[0].shape[0]), columns.film.rate
+        found = moments(shown.faces[0], shown.faces[-1], columns.film.times, rig)
+        rows = [columns.picture(index) for index in found]
+        rate, numbers = _shown_pictures(columns.film)
+        size = rows[0].shape[1], rows[0].shape[0]
         with writing(output, film_format(output), size, rate, _sound(shown.film)) as out:
-            count = round(columns.film.duration * rate)
-            for number in range(count):
+            for done, number in enumerate(numbers, 1):
                 check(stopped)
-                out.add(columns.picture(columns.film.index_at(number / rate)))
-                progress(number + 1, count)
-        write_png(picture, np.concatenate(rows))
+                out.add(columns.picture(number))
+                progress(done, len(numbers))
+        times = [float(columns.film.times[index]) + shown.offset for index in found]
+        write_png(picture, sheet(rows, times))
     return picture, output
 
 
@@ -195,27 +178,20 @@ def _sound(film: Path) -> Soundtrack | None:
     return None if sound is None else Soundtrack(sound)
 
 
-def _moments(shown: SideBySide, rig: Rig) -> list[int]:
-    """The pictures of the PNG: the lips shut and most open, and others spread between.
+def _shown_pictures(film: Film) -> tuple[float, list[int]]:
+    """A rate at which pictures at even times show all those of a film, which may be uneven.
 
-    If there are edits, these are pictures that they change, among them the one they change most.
+    Returns:
+        Pictures per second, and the number of the picture that each of them shows.
     """
-    first, last = shown.faces[0], shown.faces[-1]
-    pictures = np.flatnonzero(last.is_there)
-    before, after = (
-        rig.arkit_distances.measure(face.weights[face.rows[pictures]]) for face in (first, last)
-    )
-    change = np.abs(after - before).max(axis=1)
-    edited = change > _VISIBLE
-    if edited.sum() >= _ROWS:
-        pictures, after, change = pictures[edited], after[edited], change[edited]
-    order = np.argsort(after[:, 0], kind="stable")
-    ranks = np.linspace(0, len(order) - 1, _ROWS).astype(int)
-    if edited.any():
-        most = int(np.flatnonzero(order == change.argmax())[0])
-        ranks[np.abs(ranks - most).argmin()] = most
-    moments: list[int] = pictures[np.sort(order[ranks])].tolist()
-    return moments
+    shortest = float(np.diff(film.times).min(initial=1.0))
+    rates = (film.rate, usual_rate(film.times), min(1.0 / shortest, _FASTEST))
+    for rate in rates:
+        count = round(film.duration * rate)
+        shown = [film.index_at(number / rate) for number in range(count)]
+        if len(set(shown)) == len(film):
+            break
+    return rate, shown
 
 
 class _Columns:
@@ -231,6 +207,7 @@ class _Columns:
         self._square: tuple[float, float, float] | None = None
         self._renderer: FaceRenderer | None = None
         self._drawn: dict[bytes, Pixels] = {}  # faces, by their weights
+        self._last: tuple[int, Pixels] | None = None  # the picture that was drawn last
 
     def __enter__(self) -> _Columns:
         self._renderer = open_renderer(self._rig, HEIGHT, HEIGHT)
@@ -243,13 +220,16 @@ class _Columns:
 
     def picture(self, index: int) -> Pixels:
         """(HEIGHT, n HEIGHT, 3): film with landmarks, tracked and edited face."""
+        if self._last is not None and self._last[0] == index:  # an uneven film shows it for long
+            return self._last[1]
         columns = [self._seen(index)]
         for face in self._shown.faces:
             drawn = self._face(face.weights[face.rows[index]])
             # In a gap the nearest face is shown, darkened.
             shade = 1.0 if face.is_there[index] else _GAP
             columns.append((drawn * shade).astype(np.uint8))
-        return np.concatenate(columns, axis=1)
+        self._last = index, np.concatenate(columns, axis=1)
+        return self._last[1]
 
     def _seen(self, index: int) -> Pixels:
         film = Image.fromarray(np.ascontiguousarray(self.film.picture(index)[..., 2::-1]))

@@ -87,8 +87,12 @@ class Tracked:
     def notes(self) -> tuple[str, ...]:
         """What the user should know."""
         notes = list(self.landmarks.remarks)
-        lost = int((~self.sure).sum())
-        if lost:
+        damaged = self.landmarks.damaged
+        if damaged:
+            so = "is damaged: it is a gap" if damaged == 1 else "are damaged: they are gaps"
+            notes.append(f"{damaged} of {len(self.sure)} pictures {so}")
+        lost = int((~self.sure).sum()) - damaged
+        if lost > 0:
             so = "shows the face badly: it is a gap"
             so = so if lost == 1 else "show the face badly: they are gaps"
             notes.append(f"{lost} of {len(self.sure)} pictures {so}")

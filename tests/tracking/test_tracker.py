@@ -191,6 +191,9 @@ def test_damaged_pictures_are_a_gap(tmp_path: Path, film: Path) -> None:
     lost = np.flatnonzero(~found.sure)
     assert 4 <= len(lost) <= 8
     assert lost.min() >= len(found.sure) - 8
+    said = " ".join(found.notes)
+    assert f"{found.landmarks.damaged} of {len(found.sure)} pictures are damaged" in said
+    assert ("badly" in said) == (len(lost) > found.landmarks.damaged)
 
 
 def test_a_face_that_is_never_seen_well_is_no_take(tmp_path: Path) -> None:
