@@ -188,7 +188,9 @@ def test_a_click_on_the_picture_tracks_the_face_there(
     bench.answers |= {"film_to_track": own, "save_take": take}
     trigger(window, "track_film")
     dialog = dialog_of(window)
+    assert not dialog.hint.isVisible()
     bench.qtbot.waitUntil(lambda: dialog.bar.value() > 0, timeout=30_000)
+    assert dialog.hint.isVisible(), "another one may be clicked"
     picture = dialog.picture
     middle = QPointF(picture.width() / 2, picture.height() / 2).toPoint()
     QTest.mouseClick(picture, Qt.MouseButton.LeftButton, pos=middle)

@@ -82,15 +82,24 @@ class FileCommands:
         """
         if not self._workspace.has_changes:
             return False
+        if is_film(path):
+            return self._is_no_film(path)
         try:
-            if is_film(path):
-                from faceedit_app.tracking.film_landmarks import check_kind
-
-                check_kind(path)
-            elif not may_hold_character(path) and path.suffix.lower() != PROJECT_SUFFIX:
+            if not may_hold_character(path) and path.suffix.lower() != PROJECT_SUFFIX:
                 from faceedit_app.formats.registry import check_start
 
                 check_start(path)
+        except FaceEditError as error:
+            self._show_error(error)
+            return True
+        return False
+
+    def _is_no_film(self, path: Path) -> bool:
+        """Whether a file is seen at once not to be a film that can be tracked."""
+        from faceedit_app.tracking.film_landmarks import check_kind
+
+        try:
+            check_kind(path)
         except FaceEditError as error:
             self._show_error(error)
             return True
@@ -123,12 +132,16 @@ class FileCommands:
     def ask_track(self) -> None:
         """Track the face in a film that the user chooses."""
         film = dialogs.ask_film_to_track(self._window, self._preferences.folder("media"))
-        if film is not None and not self._is_refused(film) and self.may_close():
+        if film is not None and not self._is_no_film(film) and self.may_close():
             self._preferences.set_folder("media", film.resolve().parent)
-            self.track(film)
+            self._track(film)
 
     def track(self, film: Path) -> None:
         """Track the face in a film and open the take; until then the present one stays open."""
+        if not self._is_no_film(film):
+            self._track(film)
+
+    def _track(self, film: Path) -> None:
         from faceedit_app.ui.commands import tracking
 
         take = dialogs.ask_save_take(self._window, tracking.suggested_take(film))

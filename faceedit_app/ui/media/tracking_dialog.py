@@ -146,6 +146,12 @@ class TrackingDialog(QDialog):
         self.picture.clicked.connect(self._choose)
         self.name = plain_label(plain_line(film.name, 60))
         self.status = QLabel("Opening the film…")
+        self.hint = QLabel("If there are several faces, click the one to track.")
+        self.hint.setObjectName("caption")
+        policy = self.hint.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)
+        self.hint.setSizePolicy(policy)
+        self.hint.hide()
         self.bar = QProgressBar()
         self.bar.setRange(0, 0)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
@@ -157,7 +163,7 @@ class TrackingDialog(QDialog):
         self.largest.clicked.connect(lambda: self._choose_of(0))
         column = QVBoxLayout(self)
         column.setSpacing(GAP)
-        for widget in (self.name, self.picture, self.status, self.bar, self.buttons):
+        for widget in (self.name, self.picture, self.hint, self.status, self.bar, self.buttons):
             column.addWidget(widget, 1 if widget is self.picture else 0)
         self.rejected.connect(self.stop)
         self.progressed.connect(self._show, Qt.ConnectionType.QueuedConnection)
@@ -199,6 +205,7 @@ class TrackingDialog(QDialog):
         self.bar.setRange(0, 1)
         self.bar.setValue(0)
         self.status.setText(f"{len(faces.boxes)} faces: click the one to track")
+        self.hint.hide()
         self.largest.show()
         self.largest.setFocus()
 
@@ -220,6 +227,7 @@ class TrackingDialog(QDialog):
     def _show(self, progress: Progress) -> None:
         self.picture.show_progress(progress)
         self._is_looking, self._shown = progress.picture is not None, progress.seconds
+        self.hint.setVisible(self._is_looking)
         # The fit takes about as long for one picture as for a thousand.
         self.bar.setRange(0, progress.of if self._is_looking or progress.done else 0)
         self.bar.setValue(progress.done)

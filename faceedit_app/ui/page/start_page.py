@@ -77,16 +77,19 @@ class StartPage(QWidget):
         open_button = QPushButton(f"Open…   {shown_keys('Ctrl+O')}")
         open_button.setObjectName("primary")
         open_button.clicked.connect(actions["open"].trigger)
+        track = QPushButton("Track a film…")
+        track.clicked.connect(actions["track_film"].trigger)
         demo = QPushButton("Open the demo take")
-        demo.setObjectName("secondary")
         demo.clicked.connect(actions["open_demo"].trigger)
-        for button in (open_button, demo):
+        for button in (track, demo):
+            button.setObjectName("secondary")
+        for button in (open_button, track, demo):
             button.setAutoDefault(True)  # Enter presses it; Space belongs to the transport
         buttons = QHBoxLayout()
         buttons.setSpacing(GAP)
         buttons.addStretch()
-        buttons.addWidget(open_button)
-        buttons.addWidget(demo)
+        for button in (open_button, track, demo):
+            buttons.addWidget(button)
         buttons.addStretch()
         column = QVBoxLayout(self._drop)
         column.setContentsMargins(56, 44, 56, 36)
