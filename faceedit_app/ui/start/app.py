@@ -41,7 +41,12 @@ def run(take: Path | None, demo: bool = False, character: Path | None = None) ->
     window = MainWindow(Preferences())
     window.settled.connect(keep_for_good)
     window.settled.connect(Collector(app).begin)
-    window.after_first_paint(lambda: window.start(take, demo, character))
+
+    def begin() -> None:
+        window.keep_frame_on_screen()
+        window.start(take, demo, character)
+
+    window.after_first_paint(begin)
     if folder := os.environ.get(smoke.VARIABLE):
         smoke.play(window, Path(folder))
     window.show()

@@ -282,7 +282,6 @@ class MainWindow(WindowBase):
         self.status.set_take(session.take)
         self._pages.setCurrentWidget(page)
         page.curves.setFocus()
-        self._mark_modified()
         self._warn_of_lacks()
         self._open_face()
         if self.document.keeps_journal and self._preferences.hints_wanted():
@@ -298,6 +297,7 @@ class MainWindow(WindowBase):
             )
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem, lasts=True)
+        self._mark_modified()  # last: the title is shown before the page is painted
 
     def _warn_of_lacks(self) -> None:
         """Warn of edits that the take's channels cannot show, while there are any.

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QMainWindow
 
@@ -34,6 +34,14 @@ class WindowBase(QMainWindow):
     def after_first_paint(self, work: Callable[[], None]) -> None:
         """Call `work` once the window has been painted."""
         self._on_paint = work
+
+    def keep_frame_on_screen(self) -> None:
+        """Once the window system has added its frame: keep that on the screen, too."""
+        if not self.isMaximized() and not self.isFullScreen():
+            room = self.screen().availableGeometry()
+            fitted = framed_within(self.geometry(), self.frameGeometry(), room)
+            if fitted != self.geometry():
+                self.setGeometry(fitted)
 
     def event(self, event: QEvent) -> bool:
         """Detect the first paint, and the loss of the mouse to another window or a dialog."""
@@ -84,6 +92,31 @@ class WindowBase(QMainWindow):
             self.dropped.emit(paths)
         else:
             event.ignore()
+
+
+def framed_within(inner: QRect, frame: QRect, room: QRect) -> QRect:
+    """Where a window has to be for its frame to stay in a room.
+
+    A window that leaves the room by more than its frame was put there by the user, and stays.
+
+    Args:
+        inner: the window without its frame.
+        frame: with it.
+        room: what the screen has for windows.
+    """
+    added = frame.size() - inner.size()
+    left, width = _fitted(frame.x(), frame.width(), room.x(), room.width(), added.width())
+    top, height = _fitted(frame.y(), frame.height(), room.y(), room.height(), added.height())
+    fitted = QRect(left, top, width, height)
+    return QRect(fitted.topLeft() + inner.topLeft() - frame.topLeft(), fitted.size() - added)
+
+
+def _fitted(at: int, long: int, room_at: int, room: int, added: int) -> tuple[int, int]:
+    """`framed_within` in one direction: where the frame begins, and its length."""
+    if 0 < long - room <= added:
+        long = room
+    beyond = at + long - (room_at + room)
+    return at - beyond if 0 < beyond <= added else at, long
 
 
 def _asks() -> bool:
