@@ -14,7 +14,7 @@ from faceedit_app.characters.base_colors import png_of
 from faceedit_app.characters.glb import SHADE
 from faceedit_app.characters.turning import HEAD_JOINT, Turning
 from faceedit_app.core.arrays import Pixels
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import GLB, begins_with, keep_other, write_atomically
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Material, Rig
 
@@ -85,13 +85,19 @@ class _Writer:
         return len(self.document.textures) - 1
 
 
-def write_rig(path: Path | str, rig: Rig) -> None:
+def write_rig(path: Path | str, rig: Rig) -> Path | None:
     """Write a rig as GLB; see `rig_content`.
+
+    Returns:
+        The copy that was kept of a file that was no GLB; None if there was none.
 
     Raises:
         FileError: the file cannot be written.
     """
-    write_atomically(path, rig_content(rig))
+    content = rig_content(rig)
+    backup = keep_other(path, begins_with(GLB))
+    write_atomically(path, content)
+    return backup
 
 
 def rig_content(

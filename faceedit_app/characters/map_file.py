@@ -15,8 +15,9 @@ from faceedit_app.characters.matches import Half, ShapeMatch, Share
 from faceedit_app.characters.points import POINTS
 from faceedit_app.core import on_disk
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_other, write_atomically
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.fields import is_document
 from faceedit_app.core.levels import STRONGEST_LEVEL, UNCHANGED, Level, is_level
 
 ENDING = ".map.json"
@@ -87,6 +88,7 @@ def write_map(path: Path, mapping: CharacterMap) -> None:
             for channel, level in mapping.levels.items()
         }
     text = json.dumps(document, indent=2, ensure_ascii=False)
+    keep_other(path, lambda there: is_document(there, "faceedit_character_map"))
     write_atomically(path, text.encode("utf-8", "replace") + b"\n")
 
 

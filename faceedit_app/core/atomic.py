@@ -10,7 +10,7 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from faceedit_app.core import on_disk
@@ -22,6 +22,9 @@ _LONGEST_NAME = 255  # bytes, on most file systems
 _YOUNG = 5.0  # seconds; a younger temporary file may not be locked yet
 
 BACKUP_SUFFIX = ".bak"
+OTHER_NAME = "choose another name for the new file"
+PNG = b"\x89PNG"
+GLB = b"glTF"
 
 
 def write_atomically(path: Path | str, content: bytes) -> None:
@@ -162,10 +165,43 @@ def keep_backup(path: Path | str) -> Path:
                 return backup
         except OSError as error:
             reason = reason_of(error)
-            raise FileError(
-                backup, f"cannot be written ({reason})", "choose another name for the new file"
-            ) from error
+            raise FileError(backup, f"cannot be written ({reason})", OTHER_NAME) from error
     raise AssertionError("unreachable")
+
+
+def keep_other(path: Path | str, is_ours: Callable[[Path], bool]) -> Path | None:
+    """Copy a file to `NAME.bak` before it is replaced, unless it is of the kind that is written.
+
+    Whoever replaces pictures by pictures means it; whoever replaces a recording by a picture
+    chose the wrong name.
+
+    Args:
+        path: the file that will be written.
+        is_ours: whether a file is of the kind that will be written there.
+
+    Returns:
+        The copy; None if none was needed.
+
+    Raises:
+        FileError: the copy cannot be written; `path` must then not be replaced.
+    """
+    path = Path(path)
+    if not on_disk.is_file(path) or is_ours(path):
+        return None
+    return keep_backup(path)
+
+
+def begins_with(*marks: bytes) -> Callable[[Path], bool]:
+    """A test whether a file begins with one of some bytes, for `keep_other`."""
+
+    def is_ours(path: Path) -> bool:
+        try:
+            with path.open("rb") as file:
+                return file.read(max(map(len, marks))).startswith(marks)
+        except OSError:
+            return False
+
+    return is_ours
 
 
 def _copy(path: Path, copy: Path) -> None:
@@ -179,19 +215,21 @@ def _copy(path: Path, copy: Path) -> None:
 
 def keep_inputs(
     written: Iterable[Path | None],
-    read: Iterable[Path | None],
-    remedy: str = "choose another name for the new file",
+    read: Iterable[Path | None] | Mapping[Path, str],
+    remedy: str = OTHER_NAME,
 ) -> None:
     """Make sure that no file that is read is written over, whatever name or link leads to it.
 
     Args:
         written: the files that will be written; None is none.
-        read: the files that are read, and folders whose files are; None is none.
+        read: the files that are read, and folders whose files are; None is none. A mapping says
+            what each of them is, as a phrase that follows its name.
         remedy: what the user can do about it.
 
     Raises:
         FileError: one of them would be written over.
     """
+    said = read if isinstance(read, Mapping) else {}
     inputs = [path for path in read if path is not None]
     for path in written:
         if path is None or not on_disk.is_file(path):
@@ -201,13 +239,13 @@ def keep_inputs(
                 Path(os.path.realpath(path)).parent, other
             ):
                 problem = "would be written over, but it is read here as well"
-                raise FileError(path, problem, remedy)
+                raise FileError(path, said.get(other, problem), remedy)
 
 
 def check_outputs(
     written: Iterable[Path | None],
     read: Iterable[Path | None],
-    remedy: str = "choose another name for the new file",
+    remedy: str = OTHER_NAME,
 ) -> None:
     """Check files before the work whose results they will hold.
 

@@ -302,6 +302,22 @@ def read_document(path: Path, kind: str, version: int) -> Fields:
     return fields
 
 
+def is_document(path: Path, *keys: str, only: bool = False) -> bool:
+    """Whether a file is a JSON object with some keys, of any version; False if it cannot be read.
+
+    Args:
+        keys: those that it must have.
+        only: and no others.
+    """
+    try:
+        document = parse(_content(path))
+    except (OSError, ValueError):
+        return False
+    if not isinstance(document, dict):
+        return False
+    return set(document) == set(keys) if only else set(keys) <= set(document)
+
+
 def _json_problem(error: json.JSONDecodeError) -> str:
     """What is wrong at the place of an error."""
     before, there = error.doc[: error.pos].rstrip(), error.doc[error.pos : error.pos + 1]

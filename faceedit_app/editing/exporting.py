@@ -12,7 +12,7 @@ from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.characters.map_file import map_path
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.atomic import keep_inputs, write_atomically
+from faceedit_app.core.atomic import begins_with, keep_inputs, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.rig import Rig
@@ -33,6 +33,7 @@ _LIKE_THE_TAKE = (
     "format by its name."
 )
 _HEAD = "head"  # rotations of the head begin so
+_MARK = 8  # first bytes of a file, which tell its kind
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ class Exported:
         form: its format.
         clip: the take as written, at its rate.
         remarks: sentences about what the file does not hold, but for the head; see `said`.
-        backup: the copy of the recording that it replaced, if it did.
+        backup: the copy of the file that it replaced, if that was a recording or of another kind.
         is_straight: the head was recorded as it turns, but does not turn in the file.
     """
 
@@ -264,7 +265,10 @@ def export_take(
     check(stopped)
     encoded = (_as_scene if form.has_character else _as_take)(take, edited, path, form, options)
     check(stopped)
-    backup = make_way(path, take.path, options.overwrite)
+    is_ours = registry.is_take
+    if form.has_character and form.ending != ".glb":  # FaceEdit does not read these as takes
+        is_ours = begins_with(encoded.content[:_MARK])
+    backup = make_way(path, take.path, options.overwrite, is_ours)
     write_atomically(path, encoded.content)
     remarks: tuple[str, ...] = ()
     if encoded.lost:

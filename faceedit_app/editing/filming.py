@@ -13,14 +13,14 @@ from PIL import Image
 
 from faceedit_app import render
 from faceedit_app.core.arrays import Floats, Pixels
-from faceedit_app.core.atomic import keep_inputs
+from faceedit_app.core.atomic import keep_backup, keep_inputs
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.head import Head
 from faceedit_app.core.resample import at_rate
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.media import MediaFile, Placement
-from faceedit_app.editing.files.originals import make_way
+from faceedit_app.editing.files.originals import is_replaced
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.converting import with_filled
 from faceedit_app.formats.take import Take
@@ -177,7 +177,8 @@ def film_take(
     edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
     size = shot.size[0] - shot.size[0] % 2, shot.size[1] - shot.size[1] % 2
     keep_inputs([path], (part.path for part in (media.sound, media.film) if part is not None))
-    make_way(path, take.path, shot.overwrite, can_allow=False)
+    if is_replaced(path, take.path, shot.overwrite, can_allow=False):
+        keep_backup(path)
     with ExitStack() as opened:
         film = None
         if shot.view.has_film and media.film is not None:

@@ -193,14 +193,18 @@ class EditSession(EditHistory):
         self.seal()  # so that Undo can return to what is in the file
         return backup
 
-    def save_edits(self, path: Path | str) -> None:
+    def save_edits(self, path: Path | str) -> Path | None:
         """Save the edits, for `faceedit apply` or for another take.
+
+        Returns:
+            The copy that was kept of a file that was no list of edits; None if there was none.
 
         Raises:
             FileError: the file cannot be written.
         """
-        write_edits(path, self.edits)
+        backup = write_edits(path, self.edits)
         self.seal()
+        return backup
 
     def load_edits(self, path: Path | str) -> None:
         """Add the edits of a file as one step.

@@ -21,7 +21,7 @@ import numpy as np
 
 from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Pixels
-from faceedit_app.core.atomic import not_written
+from faceedit_app.core.atomic import keep_other, not_written
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.media.sound import Sound
 
@@ -133,6 +133,13 @@ class Writer(Protocol):
         """Add a picture (H, W, 3) uint8, RGB."""
 
 
+def _is_film(path: Path) -> bool:
+    """Whether a file is an MP4 (or QuickTime) or WebM by its first bytes."""
+    with path.open("rb") as file:
+        head = file.read(8)
+    return head[4:] == b"ftyp" or head[:4] == b"\x1aE\xdf\xa3"
+
+
 @contextlib.contextmanager
 def writing(
     path: Path, form: FilmFormat, size: tuple[int, int], rate: float, track: Soundtrack | None
@@ -180,6 +187,7 @@ def writing(
                 _write_wav(part / "sound.wav", track, round(count / rate * _SAMPLES))
             if path.exists():
                 path.rmdir()
+        keep_other(path, _is_film)
         part.replace(path)
     except (FaceEditError, GeneratorExit):
         raise

@@ -9,7 +9,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Pixels
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import PNG, begins_with, keep_other, write_atomically
 from faceedit_app.core.head import Head
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, default_camera
@@ -64,4 +64,5 @@ def write_png(path: Path | str, image: Pixels) -> None:
 
     buffer = io.BytesIO()
     Image.fromarray(image).save(buffer, "PNG")  # `optimize` takes 8 times as long for 9 %
+    keep_other(path, begins_with(PNG))
     write_atomically(path, buffer.getvalue())

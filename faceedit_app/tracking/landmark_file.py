@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Indices
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import begins_with, keep_other, write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.tracking.drawing import DRAWN, ENDING
 from faceedit_app.tracking.landmarker import LANDMARKS, SURE
@@ -86,6 +86,7 @@ def write_landmarks(tracked: Tracked, take: Path) -> None:
         points=np.round(stored).astype(np.int16),
         confidence=np.round(255 * tracked.confidence).astype(np.uint8),
     )
+    keep_other(beside(take), begins_with(b"PK"))  # an NPZ is a ZIP
     write_atomically(beside(take), memory.getvalue())
 
 

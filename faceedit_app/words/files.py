@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_other, write_atomically
 from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import FieldError, Fields, clean_text, parse, read_document, to_text
 from faceedit_app.words import subtitles, textgrids
@@ -48,16 +48,31 @@ def read_words(path: Path) -> Imported:
     return found
 
 
-def write_words(path: Path, transcript: Transcript, seconds: float) -> None:
+def is_words(path: Path) -> bool:
+    """Whether a file holds words, by its ending."""
+    try:
+        read_words(path)
+    except FileError:
+        return False
+    return True
+
+
+def write_words(path: Path, transcript: Transcript, seconds: float) -> Path | None:
     """Write words as TextGrid, SRT or JSON, by the file's ending.
 
     Args:
         seconds: length of the sound, which a TextGrid needs.
 
+    Returns:
+        The copy that was kept of a file that held no words; None if there was none.
+
     Raises:
         FileError: the ending is another, or the file cannot be written.
     """
-    write_atomically(path, writer_for(path)(transcript, seconds))
+    content = writer_for(path)(transcript, seconds)
+    backup = keep_other(path, is_words)
+    write_atomically(path, content)
+    return backup
 
 
 def writer_for(path: Path) -> Callable[[Transcript, float], bytes]:

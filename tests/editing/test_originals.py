@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -75,8 +76,9 @@ def test_projects_elsewhere_are_looked_into_if_they_are_known(
 
 def test_other_files_are_replaced_without_a_copy(session: EditSession, tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
-    out.write_text("an earlier export")
     assert session.export(out) is None
+    session.add(replace(EDIT, value=2.0))
+    assert session.export(out) is None  # an earlier export
     assert [path.name for path in tmp_path.glob("*.bak*")] == []
 
 

@@ -129,6 +129,20 @@ def test_what_follows_a_dot_is_no_ending_unless_it_is_known(
     assert dialogs.ask_export(parent, tmp_path / "take_edited.csv") == tmp_path / written
 
 
+def test_a_project_or_picture_named_like_another_file_gets_its_own_ending(
+    parent: QWidget, tmp_path: Path
+) -> None:
+    def accept(dialog: QDialog) -> None:
+        assert isinstance(dialog, QFileDialog)
+        dialog.selectFile(str(tmp_path / "take.csv"))
+        dialog.accept()
+
+    asks = ((dialogs.ask_save_project, ".faceedit"), (dialogs.ask_save_picture, ".png"))
+    for ask, ending in asks:
+        when_asked(accept)
+        assert ask(parent, tmp_path / f"take{ending}") == tmp_path / f"take.csv{ending}"
+
+
 def test_the_ending_that_is_added_replaces_no_file_without_a_question(
     parent: QWidget, tmp_path: Path
 ) -> None:

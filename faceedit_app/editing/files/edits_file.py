@@ -5,19 +5,33 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_other, write_atomically
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.fields import FieldError, read_document, to_text
+from faceedit_app.core.fields import FieldError, is_document, read_document, to_text
 from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
 
 VERSION = 1
 
 
-def write_edits(path: Path | str, edits: Iterable[Edit]) -> None:
-    """Save edits as a readable JSON file, one edit a line."""
+def is_edits_file(path: Path) -> bool:
+    """Whether a file is a list of edits, of any version, and nothing else, such as a project."""
+    return is_document(path, "version", "edits", only=True)
+
+
+def write_edits(path: Path | str, edits: Iterable[Edit]) -> Path | None:
+    """Save edits as a readable JSON file, one edit a line.
+
+    Returns:
+        The copy that was kept of a file that was no list of edits; None if there was none.
+
+    Raises:
+        FileError: it cannot be written; an existing file is then untouched.
+    """
     lines = ",\n    ".join(to_text(to_json(edit)) for edit in edits)
     text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
+    backup = keep_other(path, is_edits_file)
     write_atomically(path, text.encode())
+    return backup
 
 
 def read_edits(path: Path | str) -> tuple[Edit, ...]:

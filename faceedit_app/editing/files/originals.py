@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_backup
+from faceedit_app.core.atomic import keep_backup, keep_other
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.editing.files.project import read_project
+from faceedit_app.formats.registry import is_take
 
 _OTHER_NAME = "choose another name"
 
@@ -62,7 +63,11 @@ def why_keep(path: Path, take: Path, projects: Iterable[Path] = ()) -> str:
 
 
 def is_replaced(path: Path, take: Path, overwrite: bool, can_allow: bool = True) -> bool:
-    """Whether writing to `path` replaces a recording, which is allowed; see `make_way`.
+    """Whether writing to `path` replaces a recording, which is allowed.
+
+    Args:
+        path, take, overwrite: as of `make_way`.
+        can_allow: whether a command has an option for that.
 
     Raises:
         KeptRecording: it is not allowed.
@@ -73,14 +78,16 @@ def is_replaced(path: Path, take: Path, overwrite: bool, can_allow: bool = True)
     return bool(reason)
 
 
-def make_way(path: Path, take: Path, overwrite: bool, can_allow: bool = True) -> Path | None:
-    """Make sure that writing to `path` loses no recording.
+def make_way(
+    path: Path, take: Path, overwrite: bool, is_ours: Callable[[Path], bool] = is_take
+) -> Path | None:
+    """Make sure that writing to `path` loses no recording, and nothing of another kind.
 
     Args:
         path: the file that will be written.
         take: the take that is exported.
         overwrite: replace a recording, after a copy of it has been made.
-        can_allow: whether a command has an option for that.
+        is_ours: whether a file is of the kind that is written, so that no copy is needed.
 
     Returns:
         The copy, if one was made.
@@ -89,7 +96,9 @@ def make_way(path: Path, take: Path, overwrite: bool, can_allow: bool = True) ->
         KeptRecording: it is a recording and `overwrite` is False.
         FileError: the copy cannot be written.
     """
-    return keep_backup(path) if is_replaced(path, take, overwrite, can_allow) else None
+    if is_replaced(path, take, overwrite):
+        return keep_backup(path)
+    return keep_other(path, is_ours)
 
 
 def _same(a: Path, b: Path) -> bool:

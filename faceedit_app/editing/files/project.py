@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_other, write_atomically
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.fields import FieldError, Fields, read_document, to_text
+from faceedit_app.core.fields import FieldError, Fields, is_document, read_document, to_text
 from faceedit_app.editing.edits.edit import edits_from, to_json
 from faceedit_app.editing.edits.media import MediaFile
 from faceedit_app.editing.edits.settings import Mode, Settings
@@ -89,8 +89,16 @@ class Project:
     exported_over: Fingerprint | None = None
 
 
-def write_project(path: Path | str, project: Project) -> None:
+def is_project(path: Path) -> bool:
+    """Whether a file is a project, of any version."""
+    return is_document(path, "version", "take", "settings", "edits")
+
+
+def write_project(path: Path | str, project: Project) -> Path | None:
     """Save a project.
+
+    Returns:
+        The copy that was kept of a file that was no project; None if there was none.
 
     Raises:
         FileError: it cannot be written; an existing file is then untouched.
@@ -131,7 +139,9 @@ def write_project(path: Path | str, project: Project) -> None:
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
     text = f'{begin[:-2]},\n  "edits": [{edits}\n  ],{end[1:]}\n'
+    backup = keep_other(path, is_project)
     write_atomically(path, text.encode())
+    return backup
 
 
 def read_project(path: Path | str) -> Project:

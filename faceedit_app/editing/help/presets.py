@@ -19,9 +19,16 @@ from pathlib import Path
 import platformdirs
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_other, write_atomically
 from faceedit_app.core.errors import FaceEditError, FileError, reason_of
-from faceedit_app.core.fields import FieldError, Fields, clean_text, read_document, to_text
+from faceedit_app.core.fields import (
+    FieldError,
+    Fields,
+    clean_text,
+    is_document,
+    read_document,
+    to_text,
+)
 from faceedit_app.editing.edits.edit import Edit, Op, edits_from, to_json
 
 VERSION = 1
@@ -221,6 +228,7 @@ def save_preset(
     )
     lines = ",\n    ".join(to_text(to_json(edit)) for edit in kept)
     text = f'{head[:-2]},\n  "edits": [\n    {lines}\n  ]\n}}\n'
+    keep_other(path, lambda there: is_document(there, "version", "name", "edits"))
     write_atomically(path, text.encode())
     return read_preset(path, own=True)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
 
 if TYPE_CHECKING:  # they import the loaders of characters
@@ -142,7 +142,7 @@ class CharacterCommands:
         from faceedit_app.characters.glb_writing import write_rig
 
         suggestion = scan.with_name(f"{scan.stem}_character.glb")
-        path = dialogs.ask_save_character(self._workspace.window, suggestion)
+        path = places.ask_where(self._workspace, dialogs.ask_save_character, suggestion)
         if path is None:
             return
         try:

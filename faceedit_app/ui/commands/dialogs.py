@@ -72,7 +72,7 @@ def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float 
     """The frame rate of a take.
 
     Args:
-        frames: how many it has.
+        frames: how many it has, with those of its gaps.
         rate: what is likely.
     """
     with shown_once(RateDialog(parent, question, frames, rate)) as dialog:
@@ -86,7 +86,8 @@ def ask_open(parent: QWidget, folder: Path) -> Path | None:
 
 def ask_export(parent: QWidget, suggestion: Path) -> Path | None:
     """Where to write the take; a suggestion without an ending is a new folder."""
-    return save_name(parent, "Export", suggestion, file_kinds.like(suggestion.suffix))
+    kinds = file_kinds.like(suggestion.suffix)
+    return save_name(parent, "Export", suggestion, kinds, any_ending=True)
 
 
 def ask_export_as(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.film_export import FilmExport
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
@@ -115,7 +115,8 @@ class Exports:
         """Where to write, and whether to replace a recording there; None if the user cancels."""
         window = self._workspace.window
         suggestion = self._workspace.suggest("export", tail, ending)
-        while (path := dialogs.ask_export(window, suggestion)) is not None:
+        take = self._workspace.document.path  # about which `_why_keep` asks
+        while path := places.ask_where(self._workspace, dialogs.ask_export, suggestion, take):
             reason = self._why_keep(path)
             if not reason:
                 return path, False

@@ -16,7 +16,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import is_film
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.character import CharacterCommands, may_hold_character
 from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
@@ -186,7 +186,8 @@ class FileCommands:
         suggestion = self._document.project or self._workspace.suggest(
             "project", "", PROJECT_SUFFIX
         )
-        path = dialogs.ask_save_project(self._window, suggestion)
+        own = self._document.project
+        path = places.ask_where(self._workspace, dialogs.ask_save_project, suggestion, own)
         return path is not None and self._save(path, left)
 
     def _save(self, path: Path, left: str) -> bool:
@@ -199,9 +200,10 @@ class FileCommands:
                 case dialogs.Changed.CANCEL:
                     return False
 
-        def save(path: Path) -> None:
-            projects.save(self._workspace, path)
+        def save(path: Path) -> Path | None:
+            backup = projects.save(self._workspace, path)
             self._preferences.add_recent(path)
+            return backup
 
         return self._write(save, path, "project", "Saved", left)
 
@@ -244,7 +246,7 @@ class FileCommands:
         """Save the list of edits; False if the user cancels or it fails."""
         left = self._workspace.end_before_writing()
         suggestion = self._workspace.suggest("edits", "_edits", ".json")
-        path = dialogs.ask_save_edits(self._window, suggestion)
+        path = places.ask_where(self._workspace, dialogs.ask_save_edits, suggestion)
         save = self._document.save_edits
         return path is not None and self._write(save, path, "edits", "Saved", left)
 
@@ -256,18 +258,23 @@ class FileCommands:
 
     def load_edits(self, path: Path) -> None:
         """Add the edits in a file."""
-        self._write(self._document.load_edits, path, "edits", "Loaded")
+
+        def load(path: Path) -> None:
+            self._document.load_edits(path)
+
+        self._write(load, path, "edits", "Loaded")
 
     def _write(
-        self, work: Callable[[Path], None], path: Path, kind: str, done: str, left: str = ""
+        self, work: Callable[[Path], Path | None], path: Path, kind: str, done: str, left: str = ""
     ) -> bool:
+        """Do something with a file, which may return the copy that was kept of another one."""
         try:
-            work(path)
+            backup = work(path)
         except FaceEditError as error:
             self._show_error(error)
             return False
         self._preferences.set_folder(kind, path.resolve().parent)
-        self._workspace.message.emit(f"{done} {path}{left}")
+        self._workspace.message.emit(f"{done} {path}{left}{places.kept(backup)}")
         return True
 
     # --- close -------------------------------------------------------------------------------

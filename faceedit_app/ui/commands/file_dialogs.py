@@ -30,7 +30,9 @@ def open_name(parent: QWidget, title: str, folder: Path, kinds: str) -> Path | N
         return _chosen(dialog)
 
 
-def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path | None:
+def save_name(
+    parent: QWidget, title: str, suggestion: Path, kinds: str, any_ending: bool = False
+) -> Path | None:
     """Where to write a file; None if the user cancels.
 
     Args:
@@ -38,6 +40,8 @@ def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path
         suggestion: the folder and the name that are offered; its ending is added if one is missing,
             also to a name such as “take v1.2”, whose “.2” is no ending.
         kinds: the filters, as in `file_kinds`.
+        any_ending: whether another ending can be typed, because it means another format; if not,
+            the ending is added to it, as no program would open a picture that is named like a CSV.
     """
     with shown_once(_file_dialog(parent, title, suggestion.parent, kinds)) as dialog:
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
@@ -45,16 +49,23 @@ def save_name(parent: QWidget, title: str, suggestion: Path, kinds: str) -> Path
         dialog.setDefaultSuffix(suggestion.suffix)
         dialog.selectFile(suggestion.name)
         while (chosen := _chosen(dialog)) is not None:
-            path = _with_ending(chosen, suggestion.suffix, kinds)
+            path = with_ending(chosen, suggestion.suffix, kinds, any_ending)
             if path == chosen or not on_disk.exists(path) or _may_replace(parent, path):
                 return path
     return None
 
 
-def _with_ending(path: Path, ending: str, kinds: str) -> Path:
-    """The path, with the ending added if it has none that a program knows."""
-    known = {found.lower() for found in re.findall(r"\*(\.\w+)", kinds)}
-    if not ending or path.suffix.lower() in {ending.lower(), *known, *MimeTypes().types_map[1]}:
+def with_ending(path: Path, ending: str, kinds: str, any_ending: bool = False) -> Path:
+    """The path, with the ending added if it has none of those that it may have.
+
+    Args:
+        ending: the usual one, "" for folders.
+        kinds, any_ending: as of `save_name`.
+    """
+    allowed = {found.lower() for found in re.findall(r"\*(\.\w+)", kinds)} | {ending.lower()}
+    if any_ending:
+        allowed.update(MimeTypes().types_map[1])
+    if not ending or path.suffix.lower() in allowed:
         return path
     return path.with_name(path.name + ending)
 

@@ -27,13 +27,17 @@ from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.time_display import Unit
 
 
-def save(workspace: Workspace, path: Path) -> None:
+def save(workspace: Workspace, path: Path) -> Path | None:
     """Save take, edits, view, sound and film as one project.
+
+    Returns:
+        The copy that was kept of a file that was no project; None if there was none.
 
     Raises:
         FileError: it cannot be written; an existing file is then untouched.
     """
-    workspace.document.save_project(path, view_of(workspace), workspace.media.placement)
+    media = workspace.media.placement
+    return workspace.document.save_project(path, view_of(workspace), media)
 
 
 def view_of(workspace: Workspace) -> ViewState:

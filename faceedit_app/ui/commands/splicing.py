@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
@@ -95,7 +95,7 @@ class SpliceCommands:
 
         tail = "_longer" if wanted.seconds else "_shorter"
         suggestion = self._workspace.suggest("export", tail, ending_for(session.take))
-        path = dialogs.ask_export(self._workspace.window, free_name(suggestion))
+        path = places.ask_where(self._workspace, dialogs.ask_export, free_name(suggestion))
         if path is None:
             return
         self._workspace.document.work_off()

@@ -13,7 +13,7 @@ from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
@@ -135,7 +135,7 @@ class TakeCommands:
             return
         self._workspace.end_gestures()
         suggestion = self._workspace.suggest("media", "_side_by_side", ".mp4")
-        output = dialogs.ask_save_side_by_side(self._workspace.window, suggestion)
+        output = places.ask_where(self._workspace, dialogs.ask_save_side_by_side, suggestion)
         if output is None:
             return
         from faceedit_app.editing.filming import with_fills

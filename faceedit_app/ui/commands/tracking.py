@@ -15,6 +15,7 @@ from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned, has_sound
 from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere
 from faceedit_app.tracking.landmark_file import files_of
+from faceedit_app.ui.commands.places import refuse_open
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import sentence
 from faceedit_app.ui.media.tracking_dialog import TrackingDialog
@@ -59,6 +60,7 @@ class FilmTracking:
         try:
             keep_inputs(files_of(self._take), [self._film])
             for path in files_of(self._take):
+                refuse_open(self._workspace, path)
                 check_writable(path)
         except FaceEditError as error:
             self.dialog.deleteLater()

@@ -9,11 +9,11 @@ from PySide6.QtCore import QBuffer, QByteArray, QIODevice
 from PySide6.QtGui import QGuiApplication, QImage
 from PySide6.QtWidgets import QMainWindow
 
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import PNG, begins_with, keep_other, write_atomically
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import OPTIONAL_LABEL
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 from faceedit_app.ui.state.time_display import Unit
@@ -167,16 +167,17 @@ class ViewCommands:
         if picture is None:
             return
         suggestion = workspace.suggest("picture", f"_frame_{frame}", ".png")
-        path = dialogs.ask_save_picture(workspace.window, suggestion)
+        path = places.ask_where(workspace, dialogs.ask_save_picture, suggestion)
         if path is None:
             return
         try:
+            backup = keep_other(path, begins_with(PNG))
             write_atomically(path, _png(picture))
         except FaceEditError as error:
             dialogs.show_error(workspace.window, error)
             return
         workspace.preferences.set_folder("picture", path.resolve().parent)
-        workspace.message.emit(f"Saved {path}")
+        workspace.message.emit(f"Saved {path}{places.kept(backup)}")
 
     def _picture(self) -> QImage | None:
         return self.face.viewport.picture() if self.face is not None else None

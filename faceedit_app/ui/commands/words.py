@@ -6,7 +6,7 @@ from pathlib import Path
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import counted
-from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
 from faceedit_app.words.transcript import Transcript
@@ -73,6 +73,7 @@ class WordCommands:
         path = dialogs.ask_words(self._workspace.window, self._workspace.beside("words"))
         if path is not None:
             preferences.set_folder("words", path.resolve().parent)
+            self._workspace.words_file = path
         return path
 
     def _set(self, words: Transcript) -> None:
@@ -92,23 +93,23 @@ class WordCommands:
 
     def export(self) -> None:
         """Write the words to a file that the user chooses; times count from the sound's start."""
-        words, window = self._words, self._workspace.window
+        words = self._words
         if words is None:
             return
         from faceedit_app.words.files import write_words
 
         suggestion = self._workspace.suggest("words", "", ".TextGrid")
-        path = dialogs.ask_save_words(window, suggestion)
+        path = places.ask_where(self._workspace, dialogs.ask_save_words, suggestion)
         if path is None:
             return
         sound = self._workspace.media.sound
         seconds = sound.item.end if sound is not None else self._timeline.duration
         try:
-            write_words(path, words.shifted(-self._offset), seconds)
+            backup = write_words(path, words.shifted(-self._offset), seconds)
         except FaceEditError as error:
-            dialogs.show_error(window, error)
+            dialogs.show_error(self._workspace.window, error)
             return
-        self._workspace.message.emit(f"Wrote {path.name}")
+        self._workspace.message.emit(f"Wrote {path.name}{places.kept(backup)}")
 
     def find(self) -> None:
         """Go to the field to search a word."""

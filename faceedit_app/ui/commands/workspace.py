@@ -40,6 +40,7 @@ class Workspace(QObject):
     Attributes:
         window: the parent of dialogs.
         page: None until it is built, after the first paint.
+        words_file: where the words of the open take were read, if the user has opened a file.
 
     Signals:
         message(str): what was done, or why nothing was, for the status bar.
@@ -68,6 +69,8 @@ class Workspace(QObject):
         self.unfinished = Unfinished()
         self.opener = TakeOpener(self.document, self.background, self)
         self.page: Editor | None = None
+        self.words_file: Path | None = None
+        self.document.opened.connect(self._forget_words_file)
         self._wanted_character: Path | None = None  # which is being read
         self._keep_volume()
 
@@ -77,6 +80,9 @@ class Workspace(QObject):
         player.set_volume(volume)
         player.set_muted(muted)
         player.settled.connect(lambda: self.preferences.set_volume(player.volume, player.muted))
+
+    def _forget_words_file(self) -> None:
+        self.words_file = None
 
     @property
     def session(self) -> EditSession | None:

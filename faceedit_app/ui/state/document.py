@@ -245,8 +245,11 @@ class Document(QObject):
         while self.session is not None and self.session.live.work(_SLICE):
             QCoreApplication.processEvents(_NO_INPUT)
 
-    def save_project(self, path: Path, view: ViewState, media: Placement) -> None:
+    def save_project(self, path: Path, view: ViewState, media: Placement) -> Path | None:
         """Write take, edits, view, sound and film as one project.
+
+        Returns:
+            The copy that was kept of a file that was no project; None if there was none.
 
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
@@ -256,16 +259,17 @@ class Document(QObject):
 
         session = self.session
         if session is None:
-            return
+            return None
         take = session.take.path.absolute()
         # Of the take as opened: the file may be gone or overwritten by now.
         mark = session.fingerprint
         parts = (view, media.sound, media.film, session.take.fps, self._character_file())
         project = Project(take, mark, session.state, *parts, session.exported_over)
-        write_project(path, project)
+        backup = write_project(path, project)
         self.project_file = known(path)
         session.mark_saved()
         self._is_saved()
+        return backup
 
     def _character_file(self) -> CharacterFile | None:
         from faceedit_app.editing.files.fingerprint import fingerprint
@@ -278,14 +282,13 @@ class Document(QObject):
             return CharacterFile(path, fingerprint(path))
         return CharacterFile(path)
 
-    def save_edits(self, path: Path) -> None:
-        """Write the list of edits.
+    def save_edits(self, path: Path) -> Path | None:
+        """Write the list of edits; see `EditSession.save_edits`.
 
         Raises:
             FileError: it cannot be written.
         """
-        if self.session is not None:
-            self.session.save_edits(path)
+        return None if self.session is None else self.session.save_edits(path)
 
     def load_edits(self, path: Path) -> None:
         """Add the edits in a file, as one step.
