@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 
 from psygnal import Signal
@@ -282,6 +282,18 @@ class EditHistory(ABC):
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
+        self._arrive(is_step=False)
+
+    def continue_from(
+        self, other: EditHistory, change: Callable[[EditState], EditState] = lambda state: state
+    ) -> None:
+        """Go on with the history of another session, such as that of the take at another rate.
+
+        Args:
+            other: the session; it must not be used afterwards.
+            change: what becomes of each of its states.
+        """
+        self._steps.continue_from(other._steps, change)
         self._arrive(is_step=False)
 
     def _with_media(self, media: Placement) -> EditState:

@@ -6,7 +6,7 @@ one as a step or cancels it. Callers say where a gesture ends; nothing is guesse
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 
 from faceedit_app.editing.edits.edit import Edit
@@ -152,6 +152,21 @@ class Steps:
         """Start from a state, with an empty history."""
         self.done, self.undone = [], []
         self._go_to(state)
+
+    def continue_from(self, other: Steps, change: Callable[[EditState], EditState]) -> None:
+        """Take over another history, each of its states changed in the same way."""
+        states: dict[int, EditState] = {}  # most are the end of one step and the start of another
+
+        def changed(state: EditState) -> EditState:
+            if id(state) not in states:
+                states[id(state)] = change(state)
+            return states[id(state)]
+
+        def mapped(steps: list[Step]) -> list[Step]:
+            return [Step(one.name, changed(one.before), changed(one.after)) for one in steps]
+
+        self.done, self.undone = mapped(other.done), mapped(other.undone)
+        self._go_to(changed(other.state))
 
     def _go_to(self, state: EditState) -> None:
         self.state, self.preview = state, None

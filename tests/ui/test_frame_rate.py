@@ -110,6 +110,8 @@ def test_the_rate_can_be_changed_and_edits_stay_on_their_frames(
     window = bench.editing()
     add_edit(window)
     session = session_of(window)
+    session.add(session.edits[0], name="Again")
+    session.undo()
     asked = answered(30.0)
     trigger(window, "frame_rate")
     bench.qtbot.waitUntil(lambda: session_of(window) is not session)
@@ -118,6 +120,24 @@ def test_the_rate_can_be_changed_and_edits_stay_on_their_frames(
     assert (again.take.clip.rate, again.take.fps) == (30, 30)
     assert [(edit.start, edit.end) for edit in again.edits] == [(2.0, pytest.approx(2.8))]
     assert window.isWindowModified()
+    assert again.history == session.history  # of all steps, on their frames
+    again.redo()
+    assert [edit.start for edit in again.edits] == [2.0, 2.0]
+    again.travel(-2)
+    assert again.edits == ()
+    assert "choose 60 fps again" in window.statusBar().currentMessage()
+
+
+def test_the_length_at_another_rate_counts_the_gaps_of_the_take(
+    bench: Bench, answered: Callable[[float | None], Asked]
+) -> None:
+    lines = bench.take.read_text().splitlines()
+    bench.take.write_text("\n".join(lines[:60] + lines[90:]) + "\n")
+    window = bench.window(bench.take)
+    asked = answered(None)
+    trigger(window, "frame_rate")
+    assert len(session_of(window).take.clip) == 150
+    assert asked.questions[0][1:] == (180, 60.0)
 
 
 def test_the_same_rate_changes_nothing(

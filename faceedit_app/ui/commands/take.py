@@ -12,7 +12,7 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
-from faceedit_app.formats.timing import RateNeeded
+from faceedit_app.formats.timing import RateNeeded, format_rate
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.words import WordCommands
@@ -22,6 +22,7 @@ from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.session import EditSession
+    from faceedit_app.editing.steps import EditState
 
 
 class TakeCommands:
@@ -61,17 +62,28 @@ class TakeCommands:
             )
             return
         question = f"What is the frame rate of {take.path.name}?"
-        rate = dialogs.ask_rate(self._workspace.window, question, len(clip), clip.rate)
+        frames = round(clip.duration * clip.rate)  # with those of gaps, which last longer as well
+        rate = dialogs.ask_rate(self._workspace.window, question, frames, clip.rate)
         if rate is None or rate == clip.rate:
             return
         factor = clip.rate / rate
-        state = replace(session.state, edits=tuple(retimed(e, factor) for e in session.edits))
+
+        def on_same_frames(state: EditState) -> EditState:
+            return replace(state, edits=tuple(retimed(edit, factor) for edit in state.edits))
 
         def prepare(again: EditSession) -> None:
-            again.begin_with(state)
+            again.continue_from(session, on_same_frames)
 
         project = self._workspace.document.project_file
-        self._workspace.opener.open(take.path, prepare, project=project, fps=rate)
+        before, now = format_rate(clip.rate), format_rate(rate)
+
+        def say() -> None:
+            self._workspace.message.emit(
+                f"The take has {now} now, and Undo and Redo its edits as before; to take the rate "
+                f"back, choose {before} again"
+            )
+
+        self._workspace.opener.open(take.path, prepare, say, project=project, fps=rate)
 
     # --- sound and film ------------------------------------------------------------------------
 

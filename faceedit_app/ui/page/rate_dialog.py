@@ -28,7 +28,7 @@ class RateDialog(QDialog):
 
     Args:
         question: why the rate is needed, for the user.
-        frames: number of frames in the take.
+        frames: number of frames in the take, with those of its gaps.
         rate: the initial choice.
     """
 
