@@ -15,8 +15,9 @@ from support.sessions import demo_take, session_by_rig
 from faceedit_app.characters.closure import SHUT, Openings
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
-from faceedit_app.core.controls import CONTROL_INDEX, MAIN_CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help.habits import habits_of
 from faceedit_app.editing.help.on_character import close_between
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
 from faceedit_app.editing.opening import open_session
@@ -200,6 +201,24 @@ def test_a_closure_is_missed_if_the_takes_own_closures_close_further(pressing: f
     assert lips.time == pytest.approx(3.0, abs=0.02)
 
 
+def test_an_edit_changes_what_is_said_about_no_other_time() -> None:
+    """Even if it makes closures of its own, which press, and a mouth that is wide open."""
+    session = session_by_rig(opening_and_closing([0.0, 0.08, 0.0, 0.08, 0.0, 0.08, 0.0]))
+    usual = habits_of(session)
+    before = find_problems(session)
+    assert len(before) == 3
+    pressed = ("mouthPressLeft", "mouthPressRight")
+    session.add(
+        Edit((), Op.OFFSET, 0.5, 3.5, 0.1, value=0.9, channels=pressed),
+        Edit((LIP_OPENING,), Op.SCALE, 0.5, 3.5, 0.1, value=3.0),
+    )
+    assert habits_of(session) == usual
+    after = find_problems(session)
+    assert [p for p in after if p.start > 4.0] == [p for p in before if p.start > 4.0]
+    session.add(Edit((LIP_OPENING,), Op.SCALE, 0.0, 8.0, 0.0, value=1.2))
+    assert habits_of(session).wide > usual.wide, "an edit of the whole take belongs to it"
+
+
 def test_the_worst_frame_and_its_value_are_reported_as_the_curve_shows_them() -> None:
     session = session_by_rig(demo_take())
     lips = next(p for p in find_problems(session) if p.kind is Kind.LIPS)
@@ -237,6 +256,17 @@ def test_gaps_on_the_shown_character_are_found_and_the_proposals_close_them() ->
     after = [problem for problem in find_problems(session) if problem.kind is Kind.CHARACTER]
     assert len(after) < len(found) / 4
     assert np.median(np.abs(session.achieved - ours)) < 0.1
+
+
+def test_closing_on_the_character_makes_no_problem_of_another_kind() -> None:
+    """Lips that come as near as 5 mm are drawn on to 3, where they would nearly meet."""
+    session = session_by_rig(opening_and_closing([0.0, 0.1, 0.0, 0.12, 0.0]))
+    assert find_problems(session) == []
+    session.use_character(leaky_rig())
+    session.add(close_between(0.0, 6.0))
+    shown = Clip(session.weights, ARKIT_CHANNELS, session.take.clip.times, 60.0)
+    assert [problem.kind for problem in find(shown)] == [Kind.LIPS]
+    assert find_problems(session) == []
 
 
 def test_beside_lips_that_closing_shuts_there_is_no_problem_that_it_has_made() -> None:

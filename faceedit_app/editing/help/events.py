@@ -22,6 +22,7 @@ OPENING = CONTROL_INDEX[LIP_OPENING]
 # lids that follow the gaze down take longer.
 BLINK_WIDTH = 0.4  # seconds
 BLINK_DEPTH = 0.25  # of the eye opening; anything less is a flutter or the gaze
+STILL = 0.8  # of the eye opening; a lid that stays above does not blink
 SHUT = 0.2  # of the eye opening; an eye that is less open looks closed
 CLOSURE_DEPTH = 1.5  # mm by which lips approach each other for a closure
 CLOSURE_WIDTH = 0.4  # seconds at half its depth
@@ -99,10 +100,17 @@ def open_eyes(lids: Doubles) -> float:
     return float(np.median(eyes)) if len(eyes) else wide
 
 
-def blinks(times: Times, controls: Doubles, rate: float) -> list[Dip]:
-    """All blinks, incomplete ones included, from controls (T, C), mm."""
+def blinks(times: Times, controls: Doubles, rate: float, usual: float) -> list[Dip]:
+    """All blinks, incomplete ones included.
+
+    Args:
+        times: (T,) seconds.
+        controls: (T, C) mm.
+        rate: frames per second.
+        usual: mm, the usual opening of both eyes, in the mean.
+    """
     both = controls[:, LID_COLUMNS].mean(axis=1)
-    return dips(times, both, rate, BLINK_DEPTH * max(open_eyes(both), 0.1), BLINK_WIDTH)
+    return dips(times, both, rate, BLINK_DEPTH * max(usual, 0.1), BLINK_WIDTH)
 
 
 def closed_lips(controls: Doubles) -> float:
@@ -110,48 +118,29 @@ def closed_lips(controls: Doubles) -> float:
     return float(np.percentile(controls[:, OPENING], 2))
 
 
-def missed_closures(times: Times, controls: Doubles, weights: Doubles, rate: float) -> list[Dip]:
-    """Closures, as for /p b m/, in which the lips stayed apart, compared with the take's own.
-
-    The opening alone cannot distinguish an open /m/ from an /f/, in which the lower lip meets the
-    teeth. Lips that close press and roll in, the upper lip too, and it is not raised. Many
-    trackers do not record pressing, though: if the take's own closures show none, a movement that
-    came most of the way counts, unless the upper lip is raised.
-
-    Args:
-        times: (T,) seconds.
-        controls: (T, C) mm.
-        weights: (T, 52) in ARKit order.
-        rate: frames per second.
-    """
-    opening, closed = controls[:, OPENING], closed_lips(controls)
-    wide = float(np.percentile(opening, 95))
-    nearly = min(NEARLY[0] * (wide - closed), NEARLY[1])
-    pressed = _pressed(weights)
-    pressed -= np.median(pressed)
-    found = [
-        (dip, float(pressed[_around(dip.frame, rate)].max()))
-        for dip in dips(times, opening, rate, CLOSURE_DEPTH, CLOSURE_WIDTH)
-    ]
-    own = [press for dip, press in found if dip.level <= closed + HARDLY_APART]
-    shows = bool(own) and float(np.median(own)) > PRESSED
-
-    def is_missed(dip: Dip, press: float) -> bool:
-        gap = dip.level - closed
-        if not HARDLY_APART < gap < nearly:
-            return False
-        came = gap <= MOST_OF_THE_WAY * dip.depth
-        return (press > PRESSED and gap > APART) or (not shows and came and press > -RAISED)
-
-    return [dip for dip, press in found if is_missed(dip, press)]
-
-
-def _pressed(weights: Doubles) -> Doubles:
-    """(T,) how much the lips are pressed together."""
+def pressing(weights: Doubles) -> Doubles:
+    """(T,) how much the lips are pressed together, from weights (T, 52)."""
     press = weights[:, [ARKIT_INDEX["mouthPressLeft"], ARKIT_INDEX["mouthPressRight"]]].mean(axis=1)
     raised = weights[:, [ARKIT_INDEX["mouthUpperUpLeft"], ARKIT_INDEX["mouthUpperUpRight"]]]
     pressed: Doubles = press + weights[:, ARKIT_INDEX["mouthRollUpper"]] - raised.mean(axis=1)
     return pressed
+
+
+def lip_dips(
+    times: Times, controls: Doubles, pressed: Doubles, rate: float
+) -> list[tuple[Dip, float]]:
+    """Where lips approach each other as for a closure, and how much they are pressed there.
+
+    Args:
+        times: (T,) seconds.
+        controls: (T, C) mm.
+        pressed: (T,) of `pressing`, less what is usual.
+        rate: frames per second.
+    """
+    return [
+        (dip, float(pressed[_around(dip.frame, rate)].max()))
+        for dip in dips(times, controls[:, OPENING], rate, CLOSURE_DEPTH, CLOSURE_WIDTH)
+    ]
 
 
 def _around(frame: int, rate: float) -> slice:

@@ -7,24 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
     CLOSURE_WIDTH,
-    LID_COLUMNS,
-    SHUT,
     Dip,
-    blinks,
     closed_lips,
-    missed_closures,
     open_eyes,
 )
+from faceedit_app.editing.help.habits import habits_of, half_blinks, missed_closures
 from faceedit_app.editing.help.presets import Alone, Find, Preset
 from faceedit_app.editing.session import EditSession
 
 TOUCHING = 0.5  # mm; the mouth opening of touching lips, for a take in which they never touch
-STILL = 0.8  # of the eye opening; a lid that stays above does not blink
 NEAR = 0.3  # seconds around the playhead that a fix searches
 
 
@@ -86,27 +81,6 @@ def complete_blink(dip: Dip, controls: Sequence[str] = LIDS) -> Edit:
     )
 
 
-def half_blinks(times: Times, controls: Doubles, rate: float) -> list[tuple[Dip, tuple[str, ...]]]:
-    """The blinks that left an eye open, and the ids of the eyelids that took part.
-
-    Args:
-        times: (T,) seconds.
-        controls: (T, C) mm.
-        rate: frames per second.
-    """
-    usual = [open_eyes(controls[:, column]) for column in LID_COLUMNS]
-    found = []
-    for dip in blinks(times, controls, rate):
-        near = controls[max(dip.frame - 1, 0) : dip.frame + 2, LID_COLUMNS].min(axis=0)
-        # If one lid stays up, it is a wink of the other.
-        took_part = [low < STILL * high for low, high in zip(near, usual, strict=True)]
-        shut = [low <= SHUT * high for low, high in zip(near, usual, strict=True)]
-        lids = tuple(name for name, took in zip(LIDS, took_part, strict=True) if took)
-        if any(took and not s for took, s in zip(took_part, shut, strict=True)):
-            found.append((dip, lids))
-    return found
-
-
 def _mend(
     session: EditSession,
     preset: Preset,
@@ -114,17 +88,16 @@ def _mend(
     playhead: float,
 ) -> list[Edit]:
     """Edits at the places that `preset.find` looks for; none if there are none nearby."""
-    times, rate = session.take.clip.times, session.take.clip.rate
+    clip, usual = session.take.clip, habits_of(session)
     controls = session.achieved.astype(np.float64)
     if preset.find is Find.BLINK:
-        half = dict(half_blinks(times, controls, rate))
+        half = dict(half_blinks(clip, controls, usual))
         return [complete_blink(dip, half[dip]) for dip in _near([*half], selection, playhead)]
     if preset.find is Find.LIPS:
         if selection is not None and selection[1] - selection[0] < CLOSURE_WIDTH:
             return []  # a selection this short is itself the closure
-        dips = missed_closures(times, controls, session.weights.astype(np.float64), rate)
-        closed = closed_lips(controls)
-        return [close_lips(dip, closed) for dip in _near(dips, selection, playhead)]
+        dips = missed_closures(clip, controls, session.weights.astype(np.float64), usual)
+        return [close_lips(dip, usual.closed) for dip in _near(dips, selection, playhead)]
     return []
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -16,13 +16,8 @@ from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.help.confidence import confidence_of
-from faceedit_app.editing.help.events import (
-    LID_COLUMNS,
-    closed_lips,
-    missed_closures,
-    open_eyes,
-)
-from faceedit_app.editing.help.fixes import close_lips, complete_blink, half_blinks
+from faceedit_app.editing.help.fixes import close_lips, complete_blink
+from faceedit_app.editing.help.habits import Habits, habits_of, half_blinks, missed_closures
 from faceedit_app.editing.help.lost_frames import (
     BESIDE,
     IN_PARTS,
@@ -40,6 +35,8 @@ from faceedit_app.formats.timing import counted
 
 SHAKE_WINDOW = 0.5  # seconds
 SHORTEST_SHAKE = 0.15  # seconds
+_MAIN = [CONTROL_INDEX[control] for control in MAIN_CONTROLS]
+_CLOSING = [CONTROL_INDEX[control] for control in CLOSING]
 _LIPS = control_named(LIP_OPENING).region
 _MOVE_WITH_LIPS: Bools = np.array([control_named(c).region == _LIPS for c in MAIN_CONTROLS])
 # What counts as entirely wrong, for `Problem.severity`.
@@ -94,29 +91,85 @@ class Problem:
         """Why there is no fix, and what else can be done; empty if there is one."""
         return "" if self.fix else self.instead or "edits cannot help here"
 
+    def is_as(self, other: Problem) -> bool:
+        """Whether another search found the same fault: of its kind, in its curves, at its time."""
+        return (
+            self.kind is other.kind
+            and self.start <= other.end
+            and other.start <= self.end
+            and not set(self.controls).isdisjoint(other.controls)
+        )
+
 
 def find_problems(session: EditSession) -> list[Problem]:
     """The problems of the take with its edits, in order of time."""
+    return search_of(session)()
+
+
+def search_of(session: EditSession) -> Callable[[], list[Problem]]:
+    """The search for problems of the take as it is now; it may run in another thread."""
     take, rigs = session.take, (session.rig, session.shown_rig)
     lost = take.lost_rows.positions if take.lost_rows is not None else ()
-    shown = session.weights, session.achieved
+    weights, controls, asked = session.weights.copy(), session.achieved.copy(), session.asked.copy()
+    spoken, usual, edits = closures_of(session), habits_of(session), session.edits
     sure = confidence_of(take)
     if sure is not None:
         sure = session.moved(sure.astype(np.float32)).astype(np.float64)
-    spoken, edits = closures_of(session), session.edits
-    return problems_of(take.clip, *shown, rigs, spoken, lost, sure, edits, session.asked)
+
+    def search() -> list[Problem]:
+        tracked = take.clip.arkit_weights(), session.tracked
+        as_asked = AsAsked(rigs, asked, *tracked) if rigs[0] is not rigs[1] else None
+        return problems_of(take.clip, weights, controls, as_asked, spoken, lost, sure, edits, usual)
+
+    return search
+
+
+@dataclass(frozen=True)
+class AsAsked:
+    """What tells closing on the user's character from what was asked for.
+
+    Attributes:
+        rigs: FaceEdit's own character, and the one shown.
+        asked: (T, C) mm, what the edits ask for.
+        weights: (T, 52) as tracked.
+        controls: (T, C) mm, as tracked.
+    """
+
+    rigs: tuple[Rig, Rig]
+    asked: Floats
+    weights: Floats
+    controls: Floats
+
+    def gaps(self, clip: Clip, weights: Floats, controls: Floats) -> Iterator[LostClosure]:
+        """Where the user's character is open, with weights (T, 52) and controls (T, C), mm."""
+        return gaps_on_character(clip, weights, *self.rigs, self._nearer(controls))
+
+    def without_closing(self, weights: Doubles, controls: Doubles) -> None:
+        """Take from weights (T, 52) and controls (T, C), in place, what only closing has changed.
+
+        Beside closures on the user's character, ours is drawn along, and presses its lips: that is
+        no problem that anybody has made.
+        """
+        still = (self.asked == self.controls).all(axis=1)
+        weights[still], controls[still] = self.weights[still], self.controls[still]
+        controls[:, _CLOSING] += self._nearer(controls)
+
+    def _nearer(self, controls: Floats | Doubles) -> Doubles:
+        """(T, 3) mm by which lips and lids are nearer than was asked for."""
+        lack = (self.asked[:, _CLOSING] - controls[:, _CLOSING]).astype(np.float64)
+        return np.asarray(np.maximum(lack, 0.0), np.float64)
 
 
 def problems_of(
     clip: Clip,
     weights: Floats,
     controls: Floats,
-    rigs: tuple[Rig, Rig] | None = None,
+    as_asked: AsAsked | None = None,
     spoken: Sequence[Closure] = (),
     lost: Sequence[float] = (),
     confidence: Doubles | None = None,
     edits: Sequence[Edit] = (),
-    asked: Floats | None = None,
+    usual: Habits | None = None,
 ) -> list[Problem]:
     """The problems of a clip, in order of time.
 
@@ -124,29 +177,42 @@ def problems_of(
         clip: its times, rate and gaps are used, not its weights.
         weights: (T, 52) in ARKit order.
         controls: (T, C) mm, measured with these weights.
-        rigs: FaceEdit's own character, and the one shown.
+        as_asked: if another character is shown.
         spoken: each m, b and p, if the words are known.
         lost: the rows that a fill can give a face to, see `LostRows.positions`.
         confidence: (T,) of the tracker, if it is known.
         edits: where they fill, gaps are answered, and it does not matter how sure the tracker was.
-        asked: (T, C) mm, what the edits ask for; None = what was measured.
+        usual: in the take as tracked; None = in the clip.
     """
     values, measured = weights.astype(np.float64), controls.astype(np.float64)
-    main = measured[:, [CONTROL_INDEX[control] for control in MAIN_CONTROLS]]
+    usual = Habits.of(clip, values, measured) if usual is None else usual
+    shown = _of_curves(clip, values, measured, spoken, usual)
+    main = measured[:, _MAIN]
+    gaps: list[LostClosure] = []
+    if as_asked is not None:
+        gaps += as_asked.gaps(clip, weights, controls)
+        as_asked.without_closing(values, measured)
+        without = _of_curves(clip, values, measured, spoken, usual)
+        shown = [problem for problem in shown if any(map(problem.is_as, without))]
     found = [
         *_spoken(spoken),
-        *_unspoken(_lips(clip, values, measured), spoken),
-        *_blinks(clip, measured),
-        *_jitter(clip, main, spoken),
+        *shown,
         *_dropped(lost_frames(clip, main, lost, confidence, edits)),
         *_unsure(clip, confidence, lost, edits),
+        *map(_on_character, gaps),
     ]
-    if rigs is not None and rigs[0] is not rigs[1]:
-        rows = [CONTROL_INDEX[control] for control in CLOSING]
-        nearer = np.maximum(measured if asked is None else asked, measured)[:, rows]
-        gaps = gaps_on_character(clip, weights, *rigs, nearer - measured[:, rows])
-        found += map(_on_character, gaps)
     return sorted(found, key=lambda problem: (problem.time, problem.kind))
+
+
+def _of_curves(
+    clip: Clip, weights: Doubles, controls: Doubles, spoken: Sequence[Closure], usual: Habits
+) -> list[Problem]:
+    """What the curves show: lips that nearly meet, half blinks, and shaking."""
+    return [
+        *_unspoken(_lips(clip, weights, controls, usual), spoken),
+        *_blinks(clip, controls, usual),
+        *_jitter(clip, controls[:, _MAIN], spoken),
+    ]
 
 
 def _spoken(closures: Sequence[Closure]) -> list[Problem]:
@@ -176,8 +242,7 @@ def _unspoken(lips: list[Problem], spoken: Sequence[Closure]) -> list[Problem]:
     return [problem for problem in lips if problem.end < first or problem.start > last]
 
 
-def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
-    closed = closed_lips(controls)
+def _lips(clip: Clip, weights: Doubles, controls: Doubles, usual: Habits) -> list[Problem]:
     return [
         Problem(
             Kind.LIPS,
@@ -187,15 +252,15 @@ def _lips(clip: Clip, weights: Doubles, controls: Doubles) -> list[Problem]:
             (LIP_OPENING,),
             f"The lips nearly meet: the mouth stays open by {dip.level:.1f} mm",
             f"{dip.level:.1f} mm",
-            _share(dip.level - closed, WIDE_APART),
-            (close_lips(dip, closed),),
+            _share(dip.level - usual.closed, WIDE_APART),
+            (close_lips(dip, usual.closed),),
         )
-        for dip in missed_closures(clip.times, controls, weights, clip.rate)
+        for dip in missed_closures(clip, controls, weights, usual)
     ]
 
 
-def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
-    usual = open_eyes(controls[:, LID_COLUMNS])
+def _blinks(clip: Clip, controls: Doubles, usual: Habits) -> list[Problem]:
+    open_ = usual.eyes[2]
     return [
         Problem(
             Kind.BLINK,
@@ -203,12 +268,12 @@ def _blinks(clip: Clip, controls: Doubles) -> list[Problem]:
             dip.end,
             dip.time,
             lids,
-            f"The blink stops half-way: the eyes close by {100 * (1 - dip.level / usual):.0f} %",
-            f"{100 * (1 - dip.level / usual):.0f} % shut",
-            _share(dip.level, usual),
+            f"The blink stops half-way: the eyes close by {100 * (1 - dip.level / open_):.0f} %",
+            f"{100 * (1 - dip.level / open_):.0f} % shut",
+            _share(dip.level, open_),
             (complete_blink(dip, lids),),
         )
-        for dip, lids in half_blinks(clip.times, controls, clip.rate)
+        for dip, lids in half_blinks(clip, controls, usual)
     ]
 
 

@@ -16,9 +16,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
 
-from faceedit_app.editing.help.confidence import confidence_of
-from faceedit_app.editing.help.problems import Problem, find_problems, problems_of
-from faceedit_app.editing.help.spoken import closures_of
+from faceedit_app.editing.help.problems import Problem, find_problems, search_of
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
@@ -116,11 +114,7 @@ class ProblemsBar(QWidget):
 
     def _search_beside(self, session: EditSession) -> None:
         self._newest += 1
-        number, clip = self._newest, session.take.clip
-        weights, controls = session.weights.copy(), session.achieved.copy()
-        rigs, spoken, take = (session.rig, session.shown_rig), closures_of(session), session.take
-        lost = take.lost_rows.positions if take.lost_rows is not None else ()
-        edits, asked = session.edits, session.asked.copy()
+        number = self._newest
 
         def done(problems: list[Problem]) -> None:
             if number == self._newest and self._document.session is session:
@@ -131,11 +125,7 @@ class ProblemsBar(QWidget):
         def failed(_: Exception) -> None:
             """Show no marks."""
 
-        def work() -> list[Problem]:
-            sure = confidence_of(take)
-            return problems_of(clip, weights, controls, rigs, spoken, lost, sure, edits, asked)
-
-        self._background.run(work, done, failed)
+        self._background.run(search_of(session), done, failed)
 
     def search(self) -> None:
         """Search the take as edited."""
