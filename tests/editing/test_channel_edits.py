@@ -98,6 +98,19 @@ def test_curves_that_nobody_asked_for_are_not_shown_as_missed() -> None:
     assert (session.asked == session.achieved).all()
 
 
+def test_an_edit_of_channels_asks_for_nothing_at_other_times() -> None:
+    """Curves that an edit of other curves has moved a little are not taken for asked for."""
+    session = session_by_networks(talking_clip())
+    session.add(Edit(("left_corner", "right_corner"), Op.OFFSET, 0.0, 9.0, 0.0, value=3.0))
+    asked = session.asked.copy()
+    assert not np.array_equal(asked, session.achieved)
+    session.add(of_channels(Op.SCALE, "jawOpen", value=0.5))
+    times = session.take.clip.times
+    outside = (times < 0.8 - 1e-6) | (times > 2.2 + 1e-6)
+    np.testing.assert_array_equal(session.asked[outside], asked[outside])
+    assert not np.array_equal(session.asked[~outside], asked[~outside])
+
+
 def test_lips_follow_a_jaw_that_is_lowered() -> None:
     session = session_by_rig(talking_clip())
     session.add(of_channels(Op.SCALE, "jawOpen", value=0.0, span=(0.0, 9.0)))

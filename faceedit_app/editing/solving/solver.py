@@ -239,8 +239,9 @@ class Solver:
         mine = self._base(task.chunk, dict(task.bases)[task.chunk])
         weights, rotations = self._channels.apply(task, rows, self._base)
         controls = self._starts.measured(weights, mine.weights, mine.controls)
-        # Curves that nobody asked for go where the channels take them.
-        asked = np.where(mine.asked == mine.started, controls, mine.asked)
+        # Curves that nobody asked for go where the channels take them, and only there.
+        moved = (weights != mine.weights).any(axis=1, keepdims=True)
+        asked = np.where(moved & (mine.asked == mine.started), controls, mine.asked)
         return Patch(asked, weights, controls, rotations, mine.started)
 
     def _base(self, chunk: int, task: ChunkTask | None) -> Patch:
