@@ -22,7 +22,7 @@ _WORD_TIERS = ("words", "word", "ort", "ort-mau", "orthography", "tokens")
 _PHONEME_TIERS = ("phones", "phone", "phonemes", "phoneme", "mau", "segments", "sounds")
 _SILENCE = ("", "sil", "sp", "spn", "<p:>", "<eps>", "_", "#", "<sil>", "silence")
 # What the library raises at a damaged file, such as at times of hundreds of digits.
-_OF_THE_LIBRARY = (ArithmeticError, AttributeError, LookupError, ValueError)
+_OF_THE_LIBRARY = (ArithmeticError, AttributeError, LookupError, RecursionError, ValueError)
 _NAMES = 'name them "words" and "phones"'
 _INTERVALS = "mark in Praat where each word begins and ends"
 

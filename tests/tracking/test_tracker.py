@@ -277,9 +277,7 @@ def test_of_several_faces_in_the_first_picture_the_user_chooses(
     assert (seen.points[:, 1, 0] > SIZE).all()
     largest = read_landmarks(film, landmarker)
     assert (largest.points[:, 1, 0] < SIZE).all()
-    assert largest.remarks == (
-        "it shows 2 faces: the largest was followed, as no place was given",
-    )
+    assert largest.remarks == ("it shows 2 faces: the largest was followed, as no place was given",)
 
 
 def test_a_small_face_in_a_large_picture_is_found(

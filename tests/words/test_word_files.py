@@ -308,6 +308,7 @@ def test_intervals_of_several_words_are_lines(tmp_path: Path) -> None:
         (grid(("words", [(float("nan"), 1.0, "be")])), "not a number"),
         (grid(("words", [BE])).replace('"words"\n0', '"words"\n' + 400 * "1"), "not a TextGrid"),
         (grid(("words", [(10**400, 1.0, "be")])), "cannot occur after"),
+        ('{"a":' * 3000, "not a TextGrid"),
     ],
 )
 def test_textgrids_that_are_wrong_say_how(tmp_path: Path, text: str, says: str) -> None:
