@@ -79,7 +79,10 @@ def test_rows_without_a_face_are_filled_in_variations(bench: Bench, tmp_path: Pa
     gap = next(p for p in editor_of(window).problems.problems if p.kind is Kind.DROPPED)
     window.timeline.go_to_time(gap.time)
     trigger(window, "fix_problem")
+    said = bar.text.toolTip()
+    assert said.startswith("The export gets a face in 16 rows without one: open it to see these.")
     assert bar.count.text() == "1 of 4"
     trigger(window, "next_variation")
     trigger(window, "accept_fix")
+    assert session.changed_frames() == 0
     assert [(edit.op, edit.seed) for edit in session.edits] == [(Op.FILL, 1)]

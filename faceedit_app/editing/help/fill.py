@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -73,15 +74,38 @@ def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     if heard:
         text += ", as loud as the sound"
     lost = sum(g.missing for g in clip.gaps if start <= clip.times[g.frame] < end)
-    seconds = _lost_seconds(take)
-    found = int(((seconds > start) & (seconds < end)).sum())
+    found = _rows_filled(take, start, end)
     if found:
-        text += (
-            f"; the export gets a face in {counted(found, 'row')} without one: open it to see these"
-        )
+        text += f"; {_seen_in_export(found)}"
     if lost > found:
         text += f"; the file has no row for {counted(lost - found, 'lost frame')}"
     return text
+
+
+def variations_of(fix: Sequence[Edit]) -> list[tuple[Edit, ...]]:
+    """A fix of fills in its variations; none of another fix."""
+    if any(edit.op is not Op.FILL for edit in fix):
+        return []
+    return list(zip(*map(variations, fix), strict=True))
+
+
+def seen_later(take: Take, fix: Sequence[Edit]) -> str:
+    """What is said of a fix that fills rows without a face, which no curve shows; else nothing."""
+    fills = [edit.span for edit in fix if edit.op is Op.FILL]
+    said = _seen_in_export(sum(_rows_filled(take, *span) for span in fills))
+    return f"{said[:1].upper()}{said[1:]}"
+
+
+def _rows_filled(take: Take, start: float, end: float) -> int:
+    """How many rows without a face a fill of a range, in seconds, gives one."""
+    seconds = _lost_seconds(take)
+    return int(((seconds > start) & (seconds < end)).sum())
+
+
+def _seen_in_export(rows: int) -> str:
+    if not rows:
+        return ""
+    return f"the export gets a face in {counted(rows, 'row')} without one: open it to see these"
 
 
 def _lost_seconds(take: Take) -> Times:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
+from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -193,29 +193,19 @@ class FixCommands:
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""
-        page, problem = self._workspace.page, self.problem
-        if page is not None and problem is not None and problem.fix:
+        from faceedit_app.editing.help.fill import seen_later, variations_of
+
+        page, problem, session = self._workspace.page, self.problem, self._document.session
+        if page is not None and session is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
             said = f"{problem.message[:1].lower()}{problem.message[1:]}"
-            message = f"Fix shown. The problem: {said}."
-            found = self._variations(problem.fix)
+            seen = seen_later(session.take, problem.fix)
+            message = f"{seen or 'Fix shown'}. The problem: {said}."
+            found = variations_of(problem.fix)
+            short = seen or problem.message
             page.proposal.offer(
-                message,
-                problem.fix,
-                "Fix problem",
-                problem,
-                short=problem.message,
-                variations=found,
+                message, problem.fix, "Fix problem", problem, short=short, variations=found
             )
-
-    @staticmethod
-    def _variations(fix: tuple[Edit, ...]) -> list[tuple[Edit, ...]]:
-        """A fix of fills, in four variations; else nothing."""
-        from faceedit_app.editing.help.fill import variations
-
-        if any(edit.op is not Op.FILL for edit in fix):
-            return []
-        return list(zip(*map(variations, fix), strict=True))
 
     def fix_all(self) -> None:
         """Preview fixes for all problems that are ticked in the list, and show the list."""
