@@ -299,7 +299,11 @@ def _jitter(clip: Clip, controls: Doubles, spoken: Sequence[Closure]) -> list[Pr
     closing = np.zeros(len(clip), np.bool_)
     for closure in spoken:
         closing |= np.abs(clip.times - closure.time) <= NEAR
-    ripple, shaking = find_shaking(controls, closing[:, None] & _MOVE_WITH_LIPS, window)
+    apart = np.zeros(len(clip), np.bool_)  # what happens across a gap is no ripple between frames
+    for gap in clip.gaps:
+        apart[gap.frame : gap.frame + 2] = True
+    meant = closing[:, None] & _MOVE_WITH_LIPS | apart[:, None]
+    ripple, shaking = find_shaking(controls, meant, window)
     found = []
     somewhere: Bools = np.any(shaking, axis=1)
     for first, last in _runs(somewhere, round(TOGETHER * clip.rate)):
