@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QRectF
+from PySide6.QtCore import QRectF, QSize
 from PySide6.QtGui import QImage, QPainter
 from support.films import make_film
 from support.media import FakeOutput, settle, shown, with_media
@@ -13,6 +13,7 @@ from support.waiting import run_events
 from support.windows import Bench, editor_of, session_of, trigger
 
 from faceedit_app.tracking.landmarker import LANDMARKS
+from faceedit_app.ui.media.film_pane import FilmPlace, best_place
 from faceedit_app.ui.media.landmark_paint import paint_landmarks
 
 
@@ -174,3 +175,41 @@ def test_a_film_with_its_own_sound_has_one_offset_field(
     assert editor.film.offset.isHidden(), "the sound's moves both"
     window.media.remove_sound()
     assert not editor.film.offset.isHidden()
+
+
+@pytest.mark.parametrize(
+    ("film", "faces", "place"),
+    [
+        ((1920, 1080), (7, 10), FilmPlace.ABOVE),
+        ((1080, 1920), (7, 10), FilmPlace.BESIDE),
+        ((1080, 1920), (14, 10), FilmPlace.BESIDE),
+        ((1000, 1000), (7, 10), FilmPlace.BESIDE),
+        ((1000, 1000), (14, 10), FilmPlace.ABOVE),
+    ],
+)
+def test_the_place_makes_film_and_face_large(
+    film: tuple[int, int], faces: tuple[int, int], place: FilmPlace
+) -> None:
+    assert best_place(QSize(*film), QSize(*faces), QSize(580, 500), QSize(580, 590)) is place
+
+
+def test_a_wide_film_lies_above_the_face_until_it_is_gone_or_put_elsewhere(
+    bench: Bench, devices: list[FakeOutput]
+) -> None:
+    path = make_film(bench.folder / "a.mp4", 60, 30)
+    window = with_media(bench, path)
+    page = editor_of(window)
+    bench.qtbot.waitUntil(lambda: page.film_place is FilmPlace.ABOVE)
+    trigger(window, "remove_film")
+    assert page.film_place is FilmPlace.BESIDE
+    window.media.add(path)
+    bench.qtbot.waitUntil(lambda: page.film_place is FilmPlace.ABOVE)
+    page.settle_layout()
+    assert page.film_place is FilmPlace.BESIDE, "the next take may have no film"
+    trigger(window, "film_beside")
+    trigger(window, "show_both")
+    assert page.film_place is FilmPlace.BESIDE
+    trigger(window, "remove_film")
+    window.media.add(path)
+    bench.qtbot.waitUntil(lambda: page.film.screen_.shape is not None)
+    assert page.film_place is FilmPlace.BESIDE

@@ -256,7 +256,7 @@ class ViewCommands:
     def film_place(self) -> str:
         """Where the film is shown: beside, above or below the face."""
         page = self._workspace.page
-        return page.film_place if page is not None else self._workspace.preferences.film_place()
+        return page.film_place if page is not None else ""
 
     def place_film(self, place: str) -> None:
         """Show the film beside, above or below the face."""
@@ -264,7 +264,7 @@ class ViewCommands:
         self.restore_film_place()
 
     def restore_film_place(self) -> None:
-        """Show the film where it was last shown."""
+        """Show the film where the user wants it."""
         from faceedit_app.ui.media.film_pane import FilmPlace
 
         place, page = self._workspace.preferences.film_place(), self._workspace.page

@@ -79,6 +79,11 @@ class FacePane(QWidget):
         self._switched()
 
     @property
+    def is_glancing(self) -> bool:
+        """Whether the tracked face is shown only while a key is held."""
+        return self._glancing
+
+    @property
     def shows_both(self) -> bool:
         """Whether the tracked face is shown beside the edited one."""
         return self._both and not self._glancing

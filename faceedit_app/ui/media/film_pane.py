@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from enum import StrEnum
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
@@ -31,14 +32,34 @@ class FilmPlace(StrEnum):
     BELOW = "below"
 
 
+def best_place(film: QSize, faces: QSize, beside: QSize, above: QSize) -> FilmPlace:
+    """Where a film has to be for it and the face to be large: beside the face, or above it.
+
+    Args:
+        film, faces: their shapes, in any unit.
+        beside, above: the room that both share in either case.
+    """
+
+    def shown(part: QSize) -> int:
+        keep = Qt.AspectRatioMode.KeepAspectRatio
+        both = film.scaled(part, keep), faces.scaled(part, keep)
+        return math.prod(size.width() * size.height() for size in both)
+
+    halves = QSize(beside.width() // 2, beside.height()), QSize(above.width(), above.height() // 2)
+    at_side, on_top = map(shown, halves)
+    return FilmPlace.ABOVE if on_top > at_side else FilmPlace.BESIDE
+
+
 class Screen(QWidget):
     """Shows the picture at the playhead, or the last one until it is decoded.
 
     Signals:
+        shaped(): the first picture of a film is there, or the film is gone; see `shape`.
         arrived(int): a requested picture is ready; sent from the decoding thread.
         broken(object): the FaceEditError that ended decoding; sent from that thread.
     """
 
+    shaped = Signal()
     arrived = Signal(int)
     broken = Signal(object)
 
@@ -48,6 +69,7 @@ class Screen(QWidget):
         self._projector: Projector | None = None
         self._film: Film | None = None
         self._picture: Pixels | None = None
+        self.shape: QSize | None = None  # of the film's pictures, once one is there
         self.index = -1  # of the picture on screen
         self.wanted = -1
         self._note = ""
@@ -66,11 +88,19 @@ class Screen(QWidget):
     def _load(self) -> None:
         """Show another film, or none."""
         self.close_film()
-        if self._media.film is not None:
+        self.shape = None
+        if self._media.film is None:
+            self.shaped.emit()
+        else:
             self._film = self._media.film.item
             self._projector = Projector(self._film, self._ready, self._failed)
             self.follow()
         self.update()
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether there is a film of which no picture is there yet."""
+        return self._film is not None and self.shape is None
 
     def _ready(self, index: int) -> None:
         with contextlib.suppress(RuntimeError):  # the window was just closed
@@ -109,6 +139,9 @@ class Screen(QWidget):
         if picture is not None and self.wanted >= 0 and not done:
             self._picture, self.index = picture, index
             self.update()
+            if self.shape is None:
+                self.shape = QSize(picture.shape[1], picture.shape[0])
+                self.shaped.emit()
 
     def _stop(self, error: FaceEditError) -> None:
         self.close_film()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QAbstractSlider,
     QSplitter,
@@ -17,7 +17,7 @@ from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.edits.groups import groups_of
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.face.pane import FacePane
-from faceedit_app.ui.media.film_pane import FilmPane, FilmPlace
+from faceedit_app.ui.media.film_pane import FilmPane, FilmPlace, best_place
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
 from faceedit_app.ui.media.volume import Volume
@@ -45,6 +45,7 @@ from faceedit_app.ui.state.tools import Tools
 _SHARES = (760, 520)  # of the window's width at first: curves, face
 _SIDE = (560, 204)  # of the height beside the curves: face, lists with five rows
 _STACKED = (630, 100)  # the same, with the film above or below the face, or on a low screen
+_HEAD, _TWO_HEADS = QSize(7, 10), QSize(14, 10)  # their shapes
 _LOW = 600  # pixels; 1920 x 1080 at twice the size have 540
 
 
@@ -90,6 +91,7 @@ class Editor(QWidget):
         self._lay_out()
         self.hints = HintLayer(self, self._first_steps())
         self._edits = 0
+        self._fits_film = True  # the user has not chosen where it is shown
         self._connect(actions)
 
     def _lay_out(self) -> None:
@@ -159,7 +161,9 @@ class Editor(QWidget):
         self.problem_list.ticked.connect(lambda: self._propose_ticked(actions))
         for changed in (document.changed, document.opened, self.problems.found):
             changed.connect(self._name_tabs)
-        self.face.switched.connect(actions.refresh)
+        for changed in (self.face.switched, self.film.screen_.shaped):
+            changed.connect(self._fit_film)
+            changed.connect(actions.refresh)
         connect_menus(self.curves, actions)
 
     @property
@@ -170,7 +174,32 @@ class Editor(QWidget):
         return FilmPlace.ABOVE if self.stage.indexOf(self.film) == 0 else FilmPlace.BELOW
 
     def place_film(self, place: FilmPlace) -> None:
-        """Show the film beside, above or below the face, in equal shares."""
+        """Show the film beside, above or below the face from now on, in equal shares."""
+        self._fits_film = False
+        self._put_film(place)
+
+    def _fit_film(self) -> None:
+        """Until the user has chosen: show the film beside or above the face, as is larger."""
+        if not self._fits_film or self.face.is_glancing or self.film.screen_.is_waiting:
+            return
+        shape = self.film.screen_.shape
+        place = FilmPlace.BESIDE
+        if shape is not None:
+            rooms = (
+                QSize(self.side.width(), self.side.height() * face // (face + lists))
+                for face, lists in (_SIDE, _STACKED)
+            )
+            place = best_place(shape, _TWO_HEADS if self.face.shows_both else _HEAD, *rooms)
+        if place is not self.film_place:
+            self._put_film(place)
+
+    def settle_layout(self) -> None:
+        """Undo what only the present take has changed in the layout, before it is remembered."""
+        self.side.unfold()
+        if self._fits_film and self.film_place is not FilmPlace.BESIDE:
+            self._put_film(FilmPlace.BESIDE)
+
+    def _put_film(self, place: FilmPlace) -> None:
         beside = place is FilmPlace.BESIDE
         wanted = Qt.Orientation.Horizontal if beside else Qt.Orientation.Vertical
         if self.stage.orientation() is not wanted:

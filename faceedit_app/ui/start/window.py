@@ -384,7 +384,7 @@ class MainWindow(WindowBase):
             event.ignore()
             return
         if self.editor is not None:
-            self.editor.side.unfold()
+            self.editor.settle_layout()
             self._preferences.save_layout(self, self.editor.panes, self.editor.side)
         self.leave()
         super().closeEvent(event)

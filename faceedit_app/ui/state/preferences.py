@@ -112,8 +112,8 @@ class Preferences:
         self._settings.setValue("optional_curves", "true" if unfolded else "false")
 
     def film_place(self) -> str:
-        """Where the film was last shown: beside, above or below the face."""
-        return str(self._settings.value("film_place", "beside"))
+        """Where the user wants the film: beside, above or below the face; "" = as it fits."""
+        return str(self._settings.value("film_place", ""))
 
     def set_film_place(self, place: str) -> None:
         """Remember where the film is shown."""
