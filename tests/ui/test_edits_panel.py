@@ -188,6 +188,9 @@ def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
     assert window.status.currentMessage() == "Undid: Paste"
     window.actions_["redo"].trigger()
     assert window.status.currentMessage() == "Redid: Paste"
+    session.add(session.edits[0])
+    assert window.status.currentMessage() == "", "another step was made"
+    session.undo()
     panel.select_new(count)
     together = {control for edit in session.edits[1:] for control in edit.controls}
     what = panel.model.data(panel.model.index(1), COLUMNS)[1]
@@ -216,7 +219,9 @@ def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
     assert names(window) == ["before"]
     assert session.undo_name == "Delete edit", "as many as rows"
     session.undo()
+    assert window.actions_["delete_edit"].text() == "&Delete edit"
     panel.list.selectAll()
+    assert window.actions_["delete_edit"].text() == "&Delete 2 edits"
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert (session.edits, session.undo_name) == ((), "Delete 2 edits")
 

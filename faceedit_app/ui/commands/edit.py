@@ -33,6 +33,9 @@ class EditCommands:
         self._workspace = workspace
         self._document, self._timeline = workspace.document, workspace.timeline
         self._clipboard: Clipboard | None = None
+        self._undone = self._said = ""  # what was said of an undo or redo, and what was said last
+        workspace.message.connect(self._remember_message)
+        workspace.document.changed.connect(self._forget_undo)
         self.retime = RetimeCommands(workspace)
         self.splices = SpliceCommands(workspace, may_close)
 
@@ -80,7 +83,17 @@ class EditCommands:
 
     def _say(self, done: str, name: str) -> None:
         """Say what was done to a step, in place of what was said when it was made."""
-        self._workspace.message.emit(f"{done}: {name}" if name else "")
+        self._undone = f"{done}: {name}" if name else ""
+        self._workspace.message.emit(self._undone)
+
+    def _remember_message(self, text: str) -> None:
+        self._said = text
+
+    def _forget_undo(self) -> None:
+        """Another step was made: what was undone before it is no longer to be said."""
+        if self._undone and self._said == self._undone:
+            self._workspace.message.emit("")
+        self._undone = ""
 
     def fill_history(self, menu: QMenu) -> None:
         """List the steps, the newest on top; one that is chosen is the last that is kept."""
@@ -226,6 +239,12 @@ class EditCommands:
         page = self._workspace.page
         return page is not None and page.edits.current is not None
 
+    @property
+    def selected_edits(self) -> str:
+        """`edit`, or how many are selected in the list."""
+        page = self._workspace.page
+        return page.edits.counted if page is not None and self.has_selected_edit else "edit"
+
     def on_list(self, work: Callable[[EditsPanel], None]) -> None:
         """Do something with the list of edits, after any gesture in progress has ended."""
         page = self._workspace.page
@@ -330,9 +349,9 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.move_edit(1)),
             ("Alt+Down",), "Move the selected edit down the list, to apply it later",
             enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
-    Command("delete_edit", "&Delete edit",
+    Command("delete_edit", "&Delete",
             lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
-            "Delete the selected edit", "trash",
+            "Delete the selected edits", "trash", detail=lambda do: do.selected_edits,
             enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),

@@ -128,11 +128,11 @@ class Workspace(QObject):
         if self.page is not None:
             self.page.list_edits()
             self.page.edits.select_new(len(edits))
+        seen = self.page is None or self.page.lists.currentWidget() is self.page.edits
+        where = "above the list of edits" if seen else "under Edits"
         last = float(self.timeline.clip.times[-1]) if self.timeline.clip is not None else 0.0
         start, end = max(min(e.start for e in edits), 0.0), min(max(e.end for e in edits), last)
-        self.message.emit(
-            f"{name}: {self.shown_range(start, end)}; set its strength above the list of edits"
-        )
+        self.message.emit(f"{name}: {self.shown_range(start, end)}; set its strength {where}")
 
     def shown_time(self, seconds: float) -> str:
         """A time in the unit in which times are shown."""
