@@ -259,6 +259,9 @@ def test_the_falloff_of_a_chosen_edit_is_not_that_of_the_next_drag(window: MainW
     assert line.own_falloffs == (0.35, 0.4)
     click(panel, 0)
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
+    assert (line.falloff, line.falloff_out) == (0.1, 0.2), "of the next edit, which is chosen"
+    assert line.own_falloffs == (0.35, 0.4)
+    QTest.keyClick(window, Qt.Key.Key_Escape)
     assert (line.falloff, line.falloff_out) == (0.35, 0.4)
 
 
@@ -309,8 +312,12 @@ def test_deleting_leaves_the_view_where_it_is(window: MainWindow) -> None:
     click(panel, 0)
     panel.delete()
     assert session.edits == (far,)
-    assert panel.current == 0
+    assert panel.chosen_edit == (0, far), "with its range and handles"
+    assert window.timeline.selection == pytest.approx((2.7, 2.8))
     assert window.timeline.view == pytest.approx((0.0, 0.8))
+    window.actions_["undo"].trigger()
+    assert panel.chosen_edit == (0, here)
+    window.actions_["redo"].trigger()
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert session.edits == ()
 

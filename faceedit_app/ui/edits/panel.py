@@ -362,9 +362,9 @@ class EditsPanel(QWidget):
             self._leave()
             name = f"Delete {self.counted}"
             self._document.act(lambda session: session.remove(*rows, name=name))
-            left = len(self.model.edits)
-            if left:  # select the next one, wherever in the take it is
+            if left := len(self.model.edits):  # choose the next one, wherever in the take it is
                 self._select_quietly([min(rows[0], left - 1)])
+                self._show_handles()
             else:
                 self.select(None)
 
