@@ -104,6 +104,22 @@ def test_a_slider_that_is_dragged_back_is_no_step_and_costs_no_redo(
     assert session.settings.naturalness == 1.0
 
 
+def test_a_click_elsewhere_takes_the_keys_from_a_slider(window: MainWindow) -> None:
+    """End set Exact for the whole take, after a click on the face."""
+    session, editor = session_of(window), editor_of(window)
+    slider, before = editor.settings_bar.exactness, session.state
+    window.activateWindow()
+    for clicked in (editor.face.viewport, editor.curves, editor.curves.plots[0]):
+        slider.setFocus(Qt.FocusReason.TabFocusReason)
+        assert slider.hasFocus()
+        QTest.mouseClick(clicked, LEFT, pos=QPoint(1, 1))
+        focused = QApplication.focusWidget()
+        assert focused is not None
+        assert focused is not slider
+        QTest.keyClick(focused, Qt.Key.Key_End)
+    assert session.state == before
+
+
 def test_a_drag_of_a_slider_is_one_step_with_its_name(bench: Bench, window: MainWindow) -> None:
     session, slider = session_of(window), editor_of(window).settings_bar.exactness
     start = press(slider)
