@@ -265,7 +265,7 @@ def export_take(
     check(stopped)
     encoded = (_as_scene if form.has_character else _as_take)(take, edited, path, form, options)
     check(stopped)
-    is_ours = registry.is_take
+    is_ours: Callable[[Path], bool] = registry.is_take
     if form.has_character and form.ending != ".glb":  # FaceEdit does not read these as takes
         is_ours = begins_with(encoded.content[:_MARK])
     backup = make_way(path, take.path, options.overwrite, is_ours)

@@ -22,7 +22,7 @@ from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.files import journal as journal_module
 from faceedit_app.editing.files.fingerprint import KnownFile, fingerprint
 from faceedit_app.editing.files.journal import Journal
-from faceedit_app.editing.files.pending import is_open_elsewhere, pending_journals
+from faceedit_app.editing.files.pending import open_elsewhere, pending_journals
 from faceedit_app.editing.steps import EditState
 
 DEMO = shipped("assets/demo_take.csv")
@@ -149,15 +149,19 @@ def test_running_session_is_left_alone(tmp_path: Path) -> None:
     journal.record(STATES[0])
     assert pending_journals(tmp_path) == []
     assert journal.path.exists()
-    assert not is_open_elsewhere(journal, tmp_path)
+    assert not open_elsewhere(journal, tmp_path)
     link = tmp_path / "link.csv"
+    copy = Journal(DEMO.with_name(f"{DEMO.name}.bak2"), folder=tmp_path)
+    assert open_elsewhere(journal, tmp_path) == copy.take, "the recording, after an export over it"
+    assert open_elsewhere(copy, tmp_path) == DEMO
+    copy.close()
     link.symlink_to(DEMO)
     second, other = (Journal(path, folder=tmp_path) for path in (link, tmp_path / "other.csv"))
-    assert is_open_elsewhere(journal, tmp_path)
-    assert is_open_elsewhere(second, tmp_path)
-    assert not is_open_elsewhere(other, tmp_path)
+    assert open_elsewhere(journal, tmp_path)
+    assert open_elsewhere(second, tmp_path)
+    assert not open_elsewhere(other, tmp_path)
     crash(second)
-    assert not is_open_elsewhere(journal, tmp_path), "only a running session has it open"
+    assert not open_elsewhere(journal, tmp_path), "only a running session has it open"
     for one in (journal, other):
         one.close()
 

@@ -215,7 +215,7 @@ def test_after_a_crash_the_sound_is_back_where_it_was(
     assert again.media.placement == Placement(MediaFile(bench.folder / "voice.wav", 0.3))
     assert again.media.sound is not None
     assert again.isWindowModified()
-    message = "Recovered 2 steps of take.csv; a single Undo takes them all back"
+    message = "Recovered your work on take.csv; a single Undo takes it all back"
     assert again.status.currentMessage() == message
     trigger(again, "undo")
     assert again.media.placement == Placement()

@@ -110,7 +110,7 @@ def test_the_take_from_before_an_export_over_it_is_found_beside_it(
     window = crash.start_again()
     assert not crash.asked
     assert window.document.path == bench.take.with_name("take.csv.bak")
-    assert "is the take without them" in window.banner.text.text()
+    assert "take.csv.bak, the take without the edits, is open" in window.banner.text.text()
     assert (session_of(window).weights == shown).all()
 
 
@@ -139,7 +139,7 @@ def test_a_project_whose_recording_was_overwritten_opens_without_anything_to_sav
     window.commands.file.open_if_saved(project)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     assert window.document.path == bench.take.with_name("take.csv.bak")
-    assert "is the take without them" in window.banner.text.text()
+    assert "take.csv.bak, the take without the edits, is open" in window.banner.text.text()
     assert not window.isWindowModified()
     add_edit(window)
     assert window.isWindowModified()

@@ -116,7 +116,7 @@ def find_by_content(wanted: Fingerprint, name: str, folders: Iterable[Path]) -> 
     alike = []
     for path in _files_below(folders):
         if _ending(path) == ending and _size(path) == wanted.size:
-            if _original(path).name != name:
+            if original_of(path).name != name:
                 alike.append(path)
             elif _is(path, wanted):
                 return path
@@ -162,10 +162,10 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
 
 def _ending(path: Path) -> str:
     """The ending in lower case; that of a backup is its original's."""
-    return _original(path).suffix.lower()
+    return original_of(path).suffix.lower()
 
 
-def _original(path: Path) -> Path:
+def original_of(path: Path) -> Path:
     """What a file is the backup of, or the file."""
     is_backup = path.suffix.rstrip("0123456789") == BACKUP_SUFFIX
     return path.with_suffix("") if is_backup else path

@@ -14,9 +14,15 @@ from faceedit_app.core.filelock import try_lock
 from faceedit_app.editing.edits.edit import edits_from
 from faceedit_app.editing.edits.media import placement_from
 from faceedit_app.editing.files import journal
-from faceedit_app.editing.files.fingerprint import Fingerprint, KnownFile, fingerprint_from
+from faceedit_app.editing.files.fingerprint import (
+    Fingerprint,
+    KnownFile,
+    fingerprint_from,
+    original_of,
+)
 from faceedit_app.editing.files.project import exported_over_from, settings_from
 from faceedit_app.editing.steps import EditState
+from faceedit_app.formats.timing import counted
 from faceedit_app.words.transcript import transcript_from
 
 _YOUNG = 60.0  # seconds; the session of a younger empty journal may be starting
@@ -47,6 +53,12 @@ class Pending:
     when: float
     fps: float | None = None
     exported_over: Fingerprint | None = None
+
+    @property
+    def counted_edits(self) -> str:
+        """ ": 2 edits", to be added to a sentence; "" if only sound, words or settings changed."""
+        edits = self.state.edits
+        return f": {counted(len(edits), 'edit')}" if edits else ""
 
     def discard(self) -> None:
         """Delete its journal."""
@@ -85,12 +97,16 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
     return [pending for k, pending in enumerate(found) if not _is_repeated(pending, found[:k])]
 
 
-def is_open_elsewhere(own: journal.Journal, folder: Path | None = None) -> bool:
-    """Whether another running session has the take of this one, as far as its journal can be read.
+def open_elsewhere(own: journal.Journal, folder: Path | None = None) -> Path | None:
+    """What another running session has of the take of this one: the file, or a copy (`.bak`) of it.
 
     Args:
         own: the journal of this session.
+
+    Returns:
+        Its file; None if there is none, as far as journals can be read.
     """
+    wanted = original_of(Path(os.path.realpath(own.take)))
     for path in (folder or journal.journal_folder()).glob(f"*{journal.SUFFIX}"):
         if path == own.path:
             continue
@@ -101,11 +117,12 @@ def is_open_elsewhere(own: journal.Journal, folder: Path | None = None) -> bool:
                 if try_lock(file.fileno()):
                     continue  # its session has ended
                 head = Fields(parse(file.readline(MOST_BYTES)))
-            if os.path.realpath(head.path("take")) == os.path.realpath(own.take):
-                return True
+            take = Path(head.path("take"))
+            if original_of(Path(os.path.realpath(take))) == wanted:
+                return take
         except (OSError, ValueError):
             continue
-    return False
+    return None
 
 
 def _is_repeated(pending: Pending, newer: Sequence[Pending]) -> bool:

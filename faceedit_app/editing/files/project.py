@@ -25,6 +25,7 @@ from faceedit_app.editing.files.fingerprint import (
     find_by_name,
     fingerprint,
     fingerprint_from,
+    original_of,
 )
 from faceedit_app.editing.steps import EditState
 from faceedit_app.words.transcript import to_json as words_to_json
@@ -324,15 +325,21 @@ def locate(
             return Located(Whereabouts.FOUND, take, (), "")
     same = find_by_content(wanted, take.name, folders) if wanted is not None else None
     if present and found == exported_over:
-        message = f"{take.name} already holds these edits as they were when you exported over it"
+        holds = "already holds these edits as they were when you exported over it"
         if same is not None:
-            message += f"; {same} is the take without them"
+            shown = same.name if same.parent == take.parent else same
+            message = f"{shown}, the take without the edits, is open: {take.name} {holds}"
             return Located(Whereabouts.MOVED, same, (), message)
-        message += "; show where the take without them is"
+        message = f"{take.name} {holds}; show where the take without them is"
         return Located(Whereabouts.EXPORTED, None, (), message)
     if present:
         message = f"{take.name} has changed since these edits were made"
-        if same is not None:
+        if same is not None and original_of(same) == take.absolute():
+            message += (
+                f", probably by an export over it that holds them already; {same.name} is the take "
+                "as it was"
+            )
+        elif same is not None:
             message += f"; {same} is unchanged"
         return Located(Whereabouts.CHANGED, take, (same,) if same else (), message)
     if same is not None:

@@ -208,14 +208,12 @@ def ask_take_of_project(
 
 def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     """What to do with the edits of a session that ended in a crash."""
-    one = pending.gestures == 1
-    steps = "1 unsaved step" if one else f"{pending.gestures} unsaved steps"
     when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
     box = _question(
         parent,
         f"FaceEdit closed unexpectedly while you were editing {pending.take.name}.",
-        f"{steps}, up to {when}, can be recovered."
-        + ("" if one else " A single Undo then takes them all back."),
+        f"Your work until {when} can be recovered{pending.counted_edits}. "
+        "A single Undo then takes it all back.",
     )
     role = QMessageBox.ButtonRole
     choices = {

@@ -22,7 +22,6 @@ from faceedit_app.editing.files.project import (
     read_project,
 )
 from faceedit_app.editing.session import EditSession
-from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.time_display import Unit
 
@@ -216,9 +215,9 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: st
         pending.discard()
         if note:
             workspace.warning.emit(note)
-        steps = counted(pending.gestures, "step")
         workspace.message.emit(
-            f"Recovered {steps} of {pending.take.name}; a single Undo takes them all back"
+            f"Recovered your work on {pending.take.name}{pending.counted_edits}; "
+            "a single Undo takes it all back"
         )
         session = workspace.session
         if session is not None and session.fingerprint != pending.fingerprint:

@@ -290,9 +290,10 @@ class MainWindow(WindowBase):
         self.commands.take.follow(session.take, session.state.media)
         if not self.commands.fix.calibration.offer_neutral():
             self.commands.file.character.offer(session.take.path)
-        if self.document.is_open_elsewhere:
+        if (other := self.document.open_elsewhere) is not None:
+            also = "also" if other.name == session.take.path.name else "a copy of this take, and"
             self.banner.show_message(
-                f"{session.take.path.name} is also open in another window. "
+                f"{other.name} is {also} open in another window. "
                 "Each window has its own edits: close the one that you do not need"
             )
         if problem := self._preferences.problem():

@@ -122,11 +122,11 @@ class Document(QObject):
         return self._journal.note if self._journal is not None else ""
 
     @property
-    def is_open_elsewhere(self) -> bool:
-        """Whether another window has the same take open now."""
-        from faceedit_app.editing.files.pending import is_open_elsewhere
+    def open_elsewhere(self) -> Path | None:
+        """The take, or a copy (`.bak`) of it, if another window has that open now."""
+        from faceedit_app.editing.files.pending import open_elsewhere
 
-        return self._journal is not None and is_open_elsewhere(self._journal)
+        return open_elsewhere(self._journal) if self._journal is not None else None
 
     def close_journal(self) -> None:
         """Discard the journal: everything is saved, or discarded by the user."""
