@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
+from faceedit_app.command_line.json_output import say_kept
 from faceedit_app.command_line.opening import rig_of
 from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.core import on_disk
@@ -167,7 +168,7 @@ def make(
     else:
         landmarks = find_landmarks(template, head, scan, landmarker)
     made = make_head(template, head, landmarks, output.stem)
-    write_rig(output, without_parts(made.rig, left_out))
+    say_kept(output, write_rig(output, without_parts(made.rig, left_out)))
     middle, most = made.distance_to(head)
     for sentence in head.remarks:
         say(f"{scan}: {sentence}", to=sys.stderr)

@@ -6,6 +6,7 @@ docs/formats.md describes them. Progress and warnings go to standard error.
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,12 @@ if TYPE_CHECKING:
 def say_json(facts: object) -> None:
     """Print facts."""
     say(json.dumps(facts, indent=2))
+
+
+def say_kept(path: Path, backup: Path | None) -> None:
+    """Say that a copy of the file that was there before was kept, if it was."""
+    if backup is not None:
+        say(f"{path}: the file that was there is now {backup}", to=sys.stderr)
 
 
 def written_facts(
@@ -38,7 +45,7 @@ def written_facts(
         form: the name of its format.
         clip: as it was written.
         notes: what it does not hold.
-        backup: the copy of the recording that it replaced, if it did.
+        backup: the copy of the file that it replaced, if that was a recording or of another kind.
     """
     return {
         "path": str(path),

@@ -9,11 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from faceedit_app.command_line.json_output import say_kept
 from faceedit_app.command_line.options import JsonOption, ModelsOption
 from faceedit_app.command_line.progress import bar
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import check_folder, check_outputs, write_atomically
+from faceedit_app.core.atomic import (
+    begins_with,
+    check_folder,
+    check_outputs,
+    keep_other,
+    write_atomically,
+)
 from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.fields import is_document
 from faceedit_app.core.optional import require
 from faceedit_app.core.resources import shipped
 
@@ -146,6 +154,7 @@ def evaluate(
             advance,
         )
     if output is not None:
+        say_kept(output, keep_other(output, is_document))
         write_atomically(output, (json.dumps(figures.as_json(), indent=2) + "\n").encode())
     if report is not None:
         print(write_report(report, figures))
@@ -188,6 +197,7 @@ def evaluate_words(
     figures = evaluation.evaluate_words(takes, words, load_engine(shipped_rig(), models))
     text = evaluation.report(figures)
     if output is not None:
+        say_kept(output, keep_other(output, begins_with(text.encode().splitlines()[0])))
         write_atomically(output, text.encode())
     print(json.dumps(figures.as_json(), indent=2) if as_json else text)
 
@@ -237,6 +247,7 @@ def evaluate_tracking(
         )
     if output is not None:
         text = json.dumps(tracking.as_json(figures), indent=2) + "\n"
+        say_kept(output, keep_other(output, is_document))
         write_atomically(output, text.encode())
     print(tracking.table(figures))
 

@@ -134,6 +134,7 @@ def _report(take: Path, output: Path, written: Written, words: Path | None, as_j
     from faceedit_app.formats.timing import counted
 
     clip = written.clip
+    json_output.say_kept(output, written.backup)
     if as_json:
         facts = json_output.written_facts(
             output, take, written.form, clip, written.remarks, written.backup

@@ -138,10 +138,12 @@ def _export(
     form = exporting.by_ending(output, take)
     if form is None:
         backup = session.export(output, overwrite)
+        json_output.say_kept(output, backup)
         facts = json_output.written_facts(output, take.path, take.format, take.clip, (), backup)
         return facts, exporting.changed_frames(session, output)
     options = exporting.Options(character=character, overwrite=overwrite, follows_head=follow_head)
     done = exporting.export_session(session, output, form, options)
+    json_output.say_kept(output, done.backup)
     facts = json_output.written_facts(
         output, take.path, form.name, done.clip, done.said("--follow-head"), done.backup
     )
@@ -189,6 +191,7 @@ def convert(
     _check_used(chosen, character, compact, follow_head)
     options = exporting.Options(fps, character, compact, overwrite, follow_head)
     written = exporting.export_take(opened, opened.clip, output, chosen, options)
+    json_output.say_kept(output, written.backup)
     clip, remarks = written.clip, written.said("--follow-head")
     if as_json:
         facts = json_output.written_facts(output, take, chosen.name, clip, remarks, written.backup)

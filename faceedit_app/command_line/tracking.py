@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
+from faceedit_app.command_line.json_output import say_kept
 from faceedit_app.command_line.options import JsonOption, check_csv
 from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import check_folder, check_writable, keep_inputs
@@ -228,8 +229,7 @@ def _track_one(
         line.clear()
     backup = write_take(tracked, take, fps)
     write_landmarks(tracked, take)
-    if backup is not None:
-        print(f"{take}: the file that was there is now {backup}", file=sys.stderr)
+    say_kept(take, backup)
     return tracked
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
+from faceedit_app.command_line.json_output import say_kept
 from faceedit_app.command_line.opening import rig_of
 from faceedit_app.command_line.options import (
     CharacterOption,
@@ -128,7 +129,7 @@ def words(
         more |= {} if output is None else {"path": str(output)}
     _warn_of_noise(transcript)
     if save is not None:
-        write_words(save, transcript.shifted(-offset), seconds)
+        say_kept(save, write_words(save, transcript.shifted(-offset), seconds))
     report = {**as_tables(transcript), **more}
     report |= {"noise_db": transcript.noise, "sound_start": offset}
     say(json.dumps(report, indent=2) if as_json else _text(report))
@@ -308,7 +309,7 @@ def _closures(
         session.use_engine(load_engine(session.rig, models))
         if fix:
             session.add(*closing_edits(session), name="Close lips")
-        session.export(output, overwrite)
+        say_kept(output, session.export(output, overwrite))
         after = closures_of(session)
     return [_entry(*pair) for pair in zip(before, after, strict=True)]
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import keep_other, write_atomically
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.encodings import as_utf8, recoded
 from faceedit_app.formats.files import read_bytes
 from faceedit_app.formats.rates import exact_rate
-from faceedit_app.formats.registry import recognise
+from faceedit_app.formats.registry import is_take, recognise
 from faceedit_app.formats.take import FillableSource, RotatingSource, SureSource, Take
 
 _LOWEST_RATE, _HIGHEST_RATE = 1.0, 1000.0
@@ -65,7 +65,9 @@ def write_take(
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
-    write_atomically(path, encoded_take(path, take, weights, None, rotations, confidence))
+    content = encoded_take(path, take, weights, None, rotations, confidence)
+    keep_other(path, is_take)
+    write_atomically(path, content)
 
 
 def encoded_take(

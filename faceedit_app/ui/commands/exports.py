@@ -44,11 +44,11 @@ class Exports:
             self._write(path, form, options, left)
             return True
         try:
-            document.export(path, overwrite)
+            backup = document.export(path, overwrite)
         except FaceEditError as error:
             self._failed(error)
             return False
-        self._done(path, left)
+        self._done(path, left + places.kept(backup))
         return True
 
     def export_as(self) -> None:
@@ -92,7 +92,7 @@ class Exports:
         def done(written: Exported) -> None:
             if document.session is session:
                 document.note_export(path, state)
-            self._done(path, left)
+            self._done(path, left + places.kept(written.backup))
             lines = [*written.said("View > Follow the head"), *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)
 
