@@ -188,7 +188,12 @@ def keep_other(path: Path | str, is_ours: Callable[[Path], bool]) -> Path | None
     path = Path(path)
     if not on_disk.is_file(path) or is_ours(path):
         return None
-    return keep_backup(path)
+    try:
+        return keep_backup(path)
+    except FileError as error:
+        if isinstance(error.__cause__, OSError):  # about the file that the user named
+            raise not_written(path, error.__cause__) from error
+        raise
 
 
 def begins_with(*marks: bytes) -> Callable[[Path], bool]:
