@@ -133,6 +133,24 @@ def test_calming_down_leaves_lips_closed_and_eyes_blinking(session: EditSession)
     np.testing.assert_array_equal(after[:, LIDS], before[:, LIDS])
 
 
+def test_surprise_leaves_blinks_shut_and_lips_meeting(session: EditSession) -> None:
+    end = float(session.take.clip.times[-1])
+    session.add(*apply_preset(session, preset("blink"), (0.0, end), 0.0))
+    before = session.achieved.copy()
+    session.add(*apply_preset(session, preset("surprise"), (0.0, end), 0.0, falloff=0.0))
+    after = session.achieved
+    shut, wide = before[:, LIDS] < 0.5, before[:, LIDS] > 6.0
+    assert shut.sum() > 10
+    assert after[:, LIDS][shut].max() < 1.0
+    assert np.median((after - before)[:, LIDS][wide]) > 1.5
+    assert np.median((after - before)[:, MOUTH]) > 6.0
+    closures = [edit for edit in session.edits if edit.name == "Surprise: lips meet"]
+    assert len(closures) >= 3
+    for edit in closures:
+        frame = session.take.clip.frame_at((edit.start + edit.end) / 2)
+        assert after[frame, MOUTH] < before[frame, MOUTH] + 0.5
+
+
 def test_edits_near_the_start_of_the_take_are_placed_all_the_same(session: EditSession) -> None:
     for name in SHIPPED:
         session.add(*apply_preset(session, preset(name), None, 0.0))

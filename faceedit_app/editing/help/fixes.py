@@ -11,8 +11,10 @@ from faceedit_app.core.controls import CONTROL_INDEX, LIDS, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import (
     CLOSURE_WIDTH,
+    HARDLY_APART,
     Dip,
     closed_lips,
+    lip_dips,
     open_eyes,
 )
 from faceedit_app.editing.help.habits import habits_of, half_blinks, missed_closures
@@ -42,10 +44,11 @@ def apply_preset(
     found = _mend(session, preset, selection, playhead)
     if found:
         return tuple(replace(edit, name=preset.name) for edit in found)
-    placed = _place(session, preset, selection, playhead, falloff)
-    return tuple(
-        replace(_fit(session, edit, preset.find), name=edit.name or preset.name) for edit in placed
-    )
+    placed = [
+        replace(_fit(session, edit, preset.find), name=edit.name or preset.name)
+        for edit in _place(session, preset, selection, playhead, falloff)
+    ]
+    return (*placed, *([] if preset.own else _kept_closures(session, placed, preset.name)))
 
 
 def close_lips(dip: Dip, closed: float) -> Edit:
@@ -149,6 +152,30 @@ def _fit(session: EditSession, edit: Edit, find: Find | None) -> Edit:
         closed = closed_lips(session.tracked.astype(np.float64))
         return replace(edit, value=round(min(edit.value, closed), 2))
     return edit
+
+
+def _kept_closures(session: EditSession, edits: Sequence[Edit], name: str) -> list[Edit]:
+    """Edits that let lips meet where they do, although an expression drops the jaw."""
+    spans = [
+        edit.span
+        for edit in edits
+        if edit.op is Op.OFFSET and edit.value > 0 and LIP_OPENING in edit.controls
+    ]
+    if not spans:
+        return []
+    clip, least = session.take.clip, habits_of(session).closed + HARDLY_APART
+    controls = session.achieved.astype(np.float64)
+    closures = [
+        dip
+        for dip, _ in lip_dips(clip.times, controls, np.zeros(len(clip)), clip.rate)
+        if dip.level <= least and any(first < dip.time < last for first, last in spans)
+    ]
+    return [
+        replace(
+            close_lips(dip, session.closed), value=round(dip.level, 2), name=f"{name}: lips meet"
+        )
+        for dip in closures
+    ]
 
 
 def _between(low: float, value: float, high: float) -> float:

@@ -25,7 +25,7 @@ _POSES = (Op.OFFSET, Op.SET)  # what shows on a face that does not move
 
 def has_pose(preset: Preset) -> bool:
     """Whether a preset changes a face at rest; to enlarge movements, say, does not."""
-    return all(edit.op in _POSES for edit in preset.edits)
+    return any(edit.op in _POSES for edit in preset.edits)
 
 
 def pose_of(preset: Preset, session: EditSession, engine: Engine | None) -> Floats:
