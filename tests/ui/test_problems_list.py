@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from support.windows import Bench, editor_of, session_of, trigger_enabled, with_
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.help.problems import Kind, Problem
+from faceedit_app.ui.page import problems_bar
 from faceedit_app.ui.page.problems_bar import ProblemsHead
 from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
@@ -291,6 +293,18 @@ def test_all_problems_at_once(window: MainWindow) -> None:
     assert len(session_of(window).edits) >= len(editor.problems.problems)
     trigger_enabled(window, "undo")
     assert session_of(window).edits == ()
+
+
+def test_a_fix_that_makes_another_problem_says_so(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blink, lips = editor_of(window).problems.problems
+    trigger_enabled(window, "fix_all")
+    made = replace(blink, start=1.0, end=1.2, time=1.1)
+    monkeypatch.setattr(problems_bar, "find_problems", lambda _session: [made, lips])
+    trigger_enabled(window, "accept_fix")
+    said = window.status.currentMessage()
+    assert said.startswith("A new problem at 1.1 s: the blink stops half-way")
 
 
 def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:

@@ -97,7 +97,7 @@ class Problem:
             self.kind is other.kind
             and self.start <= other.end
             and other.start <= self.end
-            and not set(self.controls).isdisjoint(other.controls)
+            and (self.controls == other.controls or bool({*self.controls} & {*other.controls}))
         )
 
 

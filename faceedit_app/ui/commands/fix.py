@@ -25,6 +25,7 @@ from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
+from faceedit_app.ui.page.problems_bar import words_for_new
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -281,7 +282,7 @@ class FixCommands:
         count, fixed = len(self._edits), page.proposal.problem
         page.proposal.accept()
         page.edits.select_new(len(self._edits) - count)
-        page.problems.search()
+        new = page.problems.search()
         if fixed is not None:
             following = page.problems.next_fixable(fixed.time)
             if following is None:
@@ -289,6 +290,8 @@ class FixCommands:
             else:
                 page.edits.leave()  # its handles would stay where one no longer looks
                 self.go_to(following)
+        if new:
+            self._workspace.message.emit(words_for_new(new))
 
     @property
     def _edits(self) -> tuple[Edit, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import (
@@ -127,22 +128,29 @@ class ProblemsBar(QWidget):
 
         self._background.run(search_of(session), done, failed)
 
-    def search(self) -> None:
-        """Search the take as edited."""
+    def search(self) -> list[Problem]:
+        """Search the take as edited.
+
+        Returns:
+            Those that were not there before.
+        """
         self._timer.stop()
         session = self._document.session
         if session is None:
-            return
+            return []
         if session.is_previewing:
             self._timer.start()
-            return
-        began = time.perf_counter()
+            return []
+        began, before = time.perf_counter(), self.problems
+        is_known = self.is_searched
         self.problems = tuple(find_problems(session))
         # Long takes are searched less often.
         cost = 1000 * (time.perf_counter() - began)
         self._timer.setInterval(round(min(max(_WAIT_MS, 4 * cost), 3000)))
         self._moved()
         self._announce(True)
+        found = self.problems if is_known else ()
+        return [problem for problem in found if not any(map(problem.is_as, before))]
 
     def _announce(self, is_searched: bool = False) -> None:
         self.is_searched = is_searched
@@ -293,6 +301,13 @@ class ProblemsBar(QWidget):
         }
         corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]
         painter.drawPolygon(QPolygonF(corners))
+
+
+def words_for_new(problems: Sequence[Problem]) -> str:
+    """One line about the problems that a fix has made."""
+    worst = max(problems, key=lambda problem: problem.severity)
+    count = "A new problem" if len(problems) == 1 else f"{len(problems)} new problems, the worst"
+    return f"{count} at {worst.time:.1f} s: {worst.message[:1].lower()}{worst.message[1:]}"
 
 
 class ProblemsHead(QWidget):
