@@ -83,6 +83,7 @@ def test_a_click_applies_it_once_and_a_double_click_too(window: MainWindow) -> N
     QTest.mouseDClick(smile, LEFT)
     (edit,) = session.edits
     assert (edit.name, edit.start, edit.end) == ("Smile", 1.0, 2.0)
+    assert window.status.currentMessage().endswith("; set its strength under Edits")
 
 
 def test_a_picture_shows_the_part_of_the_face_that_moves() -> None:

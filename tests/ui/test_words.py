@@ -16,7 +16,7 @@ from support.media import FakeOutput, settle, with_media
 from support.speech import SENTENCE, mumbling_take, needs_espeak, said, speak
 from support.takes import make_livelink_csv
 from support.waiting import PATIENCE, run_events, wait_for_background
-from support.windows import Bench, editor_of, session_of, trigger
+from support.windows import Bench, add_edit, editor_of, session_of, trigger
 
 from faceedit_app.editing.help.spoken import closures_of
 from faceedit_app.formats.opening import open_take
@@ -122,6 +122,20 @@ def test_a_click_moves_the_playhead(bench: Bench) -> None:
     strip = strip_of(window)
     QTest.mouseClick(strip.viewport(), LEFT, pos=at(strip, 2.0, 30))
     assert window.timeline.time == pytest.approx(2.0, abs=0.02)
+
+
+def test_the_search_is_offered_in_a_selection_not_in_the_range_of_an_edit(bench: Bench) -> None:
+    window = with_words(bench)
+    add_edit(window)
+    editor_of(window).edits.select(0)
+    assert window.timeline.selection is not None
+    dialog = dialog_of(window)
+    assert not dialog.in_selection.isVisible()
+    dialog.reject()
+    window.timeline.select((0.5, 1.0))
+    again = dialog_of(window)
+    assert again.in_selection.isVisible()
+    again.reject()
 
 
 def test_dragging_an_edge_is_one_step_that_esc_cancels(bench: Bench) -> None:

@@ -47,13 +47,13 @@ class WordCommands:
 
         def place() -> SearchScope:
             media, line = self._workspace.media, self._timeline
-            sound = media.sound
+            sound, selection = media.sound, line.own_selection
             return SearchScope(
                 sound.item if sound is not None else None,
                 self._offset,
                 (0.0, line.duration),
-                line.selection,
-                self._workspace.shown_range(*line.selection) if line.selection is not None else "",
+                selection,
+                self._workspace.shown_range(*selection) if selection is not None else "",
                 sound is not None or media.placement.sound is None or not media.pending,
             )
 
