@@ -186,7 +186,7 @@ def keep_other(path: Path | str, is_ours: Callable[[Path], bool]) -> Path | None
         FileError: the copy cannot be written; `path` must then not be replaced.
     """
     path = Path(path)
-    if not on_disk.is_file(path) or is_ours(path):
+    if not on_disk.is_file(path) or not path.stat().st_size or is_ours(path):
         return None
     try:
         return keep_backup(path)

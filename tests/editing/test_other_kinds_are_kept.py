@@ -69,6 +69,8 @@ def test_a_copy_is_kept_of_a_file_of_another_kind_only(
     assert backup.read_bytes() == OTHER
     backup.unlink()
     write(path)
+    path.write_bytes(b"")  # which holds nothing to keep
+    write(path)
     assert not backup.exists()
 
 
