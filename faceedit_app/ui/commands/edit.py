@@ -243,7 +243,9 @@ class EditCommands:
     def selected_edits(self) -> str:
         """`edit`, or how many are selected in the list."""
         page = self._workspace.page
-        return page.edits.counted if page is not None and self.has_selected_edit else "edit"
+        if page is None or not self.has_selected_edit:
+            return "edit"
+        return page.edits.model.counted(page.edits.rows)
 
     def on_list(self, work: Callable[[EditsPanel], None]) -> None:
         """Do something with the list of edits, after any gesture in progress has ended."""

@@ -25,7 +25,6 @@ from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
 from faceedit_app.ui.look.texts import plain_entry, plain_tip
-from faceedit_app.ui.page.problems_bar import words_for_new
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -291,6 +290,8 @@ class FixCommands:
                 page.edits.leave()  # its handles would stay where one no longer looks
                 self.go_to(following)
         if new:
+            from faceedit_app.ui.page.problems_bar import words_for_new  # brings the session
+
             self._workspace.message.emit(words_for_new(new))
 
     @property

@@ -140,11 +140,6 @@ class EditsPanel(QWidget):
         known = [row for row in chosen if row < len(self.model.edits)]
         return sorted({one for row in known for one in self.model.stands_for(row)})
 
-    @property
-    def counted(self) -> str:
-        """`edit`, or `3 edits`: as many as are selected."""
-        return self.model.counted(self.rows)
-
     def select(self, row: int | None) -> None:
         """Select an edit, or none."""
         if row is None:
@@ -360,7 +355,7 @@ class EditsPanel(QWidget):
         rows = self.rows
         if rows:
             self._leave()
-            name = f"Delete {self.counted}"
+            name = f"Delete {self.model.counted(rows)}"
             self._document.act(lambda session: session.remove(*rows, name=name))
             if left := len(self.model.edits):  # choose the next one, wherever in the take it is
                 self._select_quietly([min(rows[0], left - 1)])
