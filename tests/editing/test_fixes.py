@@ -14,7 +14,7 @@ from support.sessions import demo_take, session_by_rig
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.help.events import open_eyes
+from faceedit_app.editing.help.events import lip_dips, open_eyes
 from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Preset, delete_preset, load_presets, save_preset
 from faceedit_app.editing.session import EditSession
@@ -144,11 +144,19 @@ def test_surprise_leaves_blinks_shut_and_lips_meeting(session: EditSession) -> N
     assert after[:, LIDS][shut].max() < 1.0
     assert np.median((after - before)[:, LIDS][wide]) > 1.5
     assert np.median((after - before)[:, MOUTH]) > 6.0
-    closures = [edit for edit in session.edits if edit.name == "Surprise: lips meet"]
+    closures = [
+        dip.frame
+        for dip, _ in lip_dips(
+            session.take.clip.times, before.astype(np.float64), np.zeros(len(before)), 60.0
+        )
+        if dip.level < 1.5
+    ]
     assert len(closures) >= 3
-    for edit in closures:
-        frame = session.take.clip.frame_at((edit.start + edit.end) / 2)
-        assert after[frame, MOUTH] < before[frame, MOUTH] + 0.5
+    assert after[closures, MOUTH].max() < 2.0
+    for strength in (0.4, 1.5):
+        session.preview_list([replace(edit, strength=strength) for edit in session.edits])
+        assert session.achieved[closures, MOUTH].max() < 2.0
+    session.cancel()
 
 
 def test_edits_near_the_start_of_the_take_are_placed_all_the_same(session: EditSession) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,7 +48,9 @@ def apply_preset(
         replace(_fit(session, edit, preset.find), name=edit.name or preset.name)
         for edit in _place(session, preset, selection, playhead, falloff)
     ]
-    return (*placed, *([] if preset.own else _kept_closures(session, placed, preset.name)))
+    if preset.own:
+        return tuple(placed)
+    return tuple(part for edit in placed for part in _beside_closures(session, edit))
 
 
 def close_lips(dip: Dip, closed: float) -> Edit:
@@ -154,28 +156,44 @@ def _fit(session: EditSession, edit: Edit, find: Find | None) -> Edit:
     return edit
 
 
-def _kept_closures(session: EditSession, edits: Sequence[Edit], name: str) -> list[Edit]:
-    """Edits that let lips meet where they do, although an expression drops the jaw."""
-    spans = [
-        edit.span
-        for edit in edits
-        if edit.op is Op.OFFSET and edit.value > 0 and LIP_OPENING in edit.controls
-    ]
-    if not spans:
-        return []
+def _beside_closures(session: EditSession, edit: Edit) -> Iterator[Edit]:
+    """The parts of an edit between closures, if it drops the jaw: lips meet where they do.
+
+    At any strength: an edit that closes them again would be weaker with a weaker expression.
+    """
+    if not (edit.op is Op.OFFSET and edit.value > 0 and LIP_OPENING in edit.controls):
+        yield edit
+        return
     clip, least = session.take.clip, habits_of(session).closed + HARDLY_APART
     controls = session.achieved.astype(np.float64)
-    closures = [
-        dip
-        for dip, _ in lip_dips(clip.times, controls, np.zeros(len(clip)), clip.rate)
-        if dip.level <= least and any(first < dip.time < last for first, last in spans)
-    ]
-    return [
-        replace(
-            close_lips(dip, session.closed), value=round(dip.level, 2), name=f"{name}: lips meet"
-        )
-        for dip in closures
-    ]
+    dips = lip_dips(clip.times, controls, np.zeros(len(clip)), clip.rate)
+    first, last = edit.span
+    start, fade, shut = edit.start, edit.falloff, first
+    for dip, _ in dips:
+        if dip.level > least or not first < dip.time < last:
+            continue
+        closing = close_lips(dip, least)  # which says how long the lips take
+        if closing.start > edit.start:
+            end = closing.start - closing.falloff
+            if end < start:  # closures that follow each other soon: half-way between them
+                start = end = max((shut + closing.start) / 2, edit.start)
+                fade = start - shut
+            yield _part(edit, start, end, fade, closing.start - end)
+        after = closing.falloff if closing.falloff_out is None else closing.falloff_out
+        shut, start, fade = closing.end, closing.end + after, after
+    if shut < edit.end:
+        if start > edit.end:
+            start, fade = edit.end, edit.end - shut
+        yield _part(edit, start, edit.end, fade, last - edit.end)
+
+
+def _part(edit: Edit, start: float, end: float, fade: float, fade_out: float) -> Edit:
+    """A part of an edit, with the falloffs before and after it; all in seconds."""
+    start, end, fade, fade_out = (round(value, 4) for value in (start, end, fade, fade_out))
+    if (start, end, fade) == (edit.start, edit.end, edit.falloff):
+        return edit
+    out = None if fade == fade_out else fade_out
+    return replace(edit, start=start, end=end, falloff=fade, falloff_out=out)
 
 
 def _between(low: float, value: float, high: float) -> float:
