@@ -290,9 +290,7 @@ class FixCommands:
                 page.edits.leave()  # its handles would stay where one no longer looks
                 self.go_to(following)
         if new:
-            from faceedit_app.ui.page.problems_bar import words_for_new  # brings the session
-
-            self._workspace.message.emit(words_for_new(new))
+            self._workspace.message.emit(page.problems.words_for(new))
 
     @property
     def _edits(self) -> tuple[Edit, ...]:

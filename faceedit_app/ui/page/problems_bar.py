@@ -152,6 +152,13 @@ class ProblemsBar(QWidget):
         found = self.problems if is_known else ()
         return [problem for problem in found if not any(map(problem.is_as, before))]
 
+    @staticmethod
+    def words_for(new: Sequence[Problem]) -> str:
+        """One line about the problems that a fix has made."""
+        worst = max(new, key=lambda problem: problem.severity)
+        count = "A new problem" if len(new) == 1 else f"{len(new)} new problems, the worst"
+        return f"{count} at {worst.time:.1f} s: {worst.message[:1].lower()}{worst.message[1:]}"
+
     def _announce(self, is_searched: bool = False) -> None:
         self.is_searched = is_searched
         count = len(self.problems)
@@ -301,13 +308,6 @@ class ProblemsBar(QWidget):
         }
         corners = [QPointF(at.x() + size * x, at.y() + size * y) for x, y in shapes[kind]]
         painter.drawPolygon(QPolygonF(corners))
-
-
-def words_for_new(problems: Sequence[Problem]) -> str:
-    """One line about the problems that a fix has made."""
-    worst = max(problems, key=lambda problem: problem.severity)
-    count = "A new problem" if len(problems) == 1 else f"{len(problems)} new problems, the worst"
-    return f"{count} at {worst.time:.1f} s: {worst.message[:1].lower()}{worst.message[1:]}"
 
 
 class ProblemsHead(QWidget):
