@@ -305,6 +305,7 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
     if page.curves.shown.is_unfolded:
         page.curves.shown.unfold(False)
     page.lists.setCurrentIndex(0)
+    page._fits_film = True
     page.face.viewport.draws = 0
     page.face.viewport.quality = Quality()
     page.face._tracked = page.face._both = page.face._difference = page.face._follows = False
@@ -316,6 +317,7 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     line._edits_falloffs, line._before, line.can_fade = (0.0, 0.0), None, True
     window.playback._came_from, window.sound_player.problem = 0, ""
     window.commands.edit._clipboard = None
+    window.commands.edit._undone = window.commands.edit._said = ""
     window.commands.file.character._saved = None
     mouse.focused, mouse.plot, mouse.chosen = None, None, frozenset()
     mouse._x = mouse._shown = 0.0
