@@ -13,8 +13,9 @@ mkdir -p build
 root=$(mktemp -d "$PWD/build/root.XXXXXX")
 trap 'umount "$root/proc" 2>/dev/null || true; rm -rf --one-file-system "$root"' EXIT
 
+# The kernels are those of the reference: others may differ in the last digit.
 inside() { chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
-	DEBIAN_FRONTEND=noninteractive "$@"; }
+	DEBIAN_FRONTEND=noninteractive ${OPENBLAS_CORETYPE:+OPENBLAS_CORETYPE="$OPENBLAS_CORETYPE"} "$@"; }
 install() { inside apt-get -qq install -y --no-install-recommends "$@" >/dev/null 2>"$root/apt.log" ||
 	{ cat "$root/apt.log"; exit 1; }; }
 fail() { echo "try-deb: $*" >&2; exit 1; }
