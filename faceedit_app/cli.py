@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.errors import FaceEditError, FileError
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 from faceedit_app.ui.start import display
 
@@ -36,8 +36,9 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:  # such a name cannot even be looked for
         if error.errno != errno.ENAMETOOLONG:
             raise
-        too_long = FileError(error.filename, "has too long a name", "choose a shorter one")
-        say(f"faceedit: {too_long.for_command}", to=sys.stderr)
+        from faceedit_app.core.atomic import not_written
+
+        say(f"faceedit: {not_written(error.filename, error).for_command}", to=sys.stderr)
         return USAGE_ERROR
     except KeyboardInterrupt:
         say("faceedit: stopped", to=sys.stderr)

@@ -13,7 +13,7 @@ import numpy as np
 from faceedit_app import api
 from faceedit_app.batch.recipe import Recipe
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_backup, keep_inputs
+from faceedit_app.core.atomic import keep_inputs, keep_other
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing import exporting
@@ -226,8 +226,7 @@ def _export(take: api.Take, task: Task) -> tuple[exporting.Exported, Path | None
     folder, recipe = task.output.parent, task.recipe
     folder.mkdir(parents=True, exist_ok=True)
     before = os.listdir(folder)
-    is_lost = not task.is_ours and on_disk.is_file(task.output) and task.output.stat().st_size > 0
-    backup = keep_backup(task.output) if is_lost else None
+    backup = keep_other(task.output, lambda _path: task.is_ours)
     is_needed = False
     try:
         form = recipe.form or None

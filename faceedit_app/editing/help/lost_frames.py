@@ -142,14 +142,8 @@ def _kept(clip: Clip, gap: Gap, confidence: Doubles) -> tuple[int, int]:
 def _is_filled(clip: Clip, hole: _Hole, edits: Sequence[Edit]) -> bool:
     """Whether a fill of the whole face covers all rows of a gap, or both frames beside it."""
     first, last = (hole.rows[0], hole.rows[-1]) if hole.rows else _ends(clip, hole.gap)
-    return any(
-        edit.op is Op.FILL
-        and edit.effect is not None
-        and set(edit.controls) >= set(MAIN_CONTROLS)
-        and edit.start <= first
-        and last <= edit.end
-        for edit in edits
-    )
+    fills = _covering(edits, Op.FILL, first, last)
+    return any(set(edit.controls) >= set(MAIN_CONTROLS) for edit in fills)
 
 
 def _grouped(clip: Clip, holes: Sequence[_Hole]) -> list[list[_Hole]]:
@@ -167,7 +161,7 @@ def _grouped(clip: Clip, holes: Sequence[_Hole]) -> list[list[_Hole]]:
 def _together(
     clip: Clip, holes: Sequence[_Hole], controls: Doubles, edits: Sequence[Edit]
 ) -> LostFrames:
-    worst = max(holes, key=lambda hole: (float(_jump(hole, controls)), hole.gap.missing))
+    worst = max(holes, key=lambda hole: (_jump(hole, controls), hole.gap.missing))
     start, end = _ends(clip, holes[0].gap)[0], _ends(clip, holes[-1].gap)[1]
     missing = sum(hole.gap.missing for hole in holes)
     moved = tuple(c for c in MAIN_CONTROLS if any(c in hole.moved for hole in holes))
@@ -223,19 +217,17 @@ def _fixes(clip: Clip, hole: _Hole, edits: Sequence[Edit]) -> tuple[Edit, ...]:
     if last - first <= LONGEST_FILL:
         span = round(first, 4), round(last, 4), 0.0
         return (Edit(MAIN_CONTROLS, Op.FILL, *span, name="Fill the gap"),)
-    rest = tuple(c for c in hole.moved if c not in _softened(edits, start, end))
+    # A second time does not help.
+    softened = {c for edit in _covering(edits, Op.SMOOTH, start, end) for c in edit.controls}
+    rest = tuple(c for c in hole.moved if c not in softened)
     soft = start, end, 0.1, STEADIED
     return (Edit(rest, Op.SMOOTH, *soft, name="Soften the jump"),) if rest else ()
 
 
-def _softened(edits: Sequence[Edit], start: float, end: float) -> set[str]:
-    """The curves that have been smoothed there: a second time does not help."""
-    return {
-        control
+def _covering(edits: Sequence[Edit], op: Op, start: float, end: float) -> list[Edit]:
+    """The edits of a kind that have an effect and cover all of a range."""
+    return [
+        edit
         for edit in edits
-        if edit.op is Op.SMOOTH
-        and edit.effect is not None
-        and edit.start <= start
-        and end <= edit.end
-        for control in edit.controls
-    }
+        if edit.op is op and edit.effect is not None and edit.start <= start and end <= edit.end
+    ]
