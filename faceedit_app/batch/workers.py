@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import sys
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -16,6 +15,7 @@ from faceedit_app.batch.log import Log, to_do
 from faceedit_app.batch.tasks import Outcome, Task, perform
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.optional import require
+from faceedit_app.core.signals import signals_wait
 
 _LOST = "the process that worked on it ended; try this take alone"
 
@@ -52,7 +52,7 @@ def _working(tasks: list[Task], jobs: int) -> Iterator[dict[Future[Outcome], Tas
     others = set(multiprocessing.active_children())
     with ProcessPoolExecutor(jobs, context, initializer=_end_when_asked) as pool:
         try:
-            with _ctrl_c_waits():
+            with signals_wait(signal.SIGINT):  # the parent ends them
                 waiting = {pool.submit(_work, perform, task): task for task in tasks}
             yield waiting
         except BaseException:
@@ -60,19 +60,6 @@ def _working(tasks: list[Task], jobs: int) -> Iterator[dict[Future[Outcome], Tas
                 process.terminate()
             pool.shutdown(cancel_futures=True)
             raise
-
-
-@contextmanager
-def _ctrl_c_waits() -> Iterator[None]:
-    """Ctrl+C waits, and never reaches processes that begin meanwhile: the parent ends them."""
-    if sys.platform == "win32":
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # processes inherit it
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class _End(SystemExit):

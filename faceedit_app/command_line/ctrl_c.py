@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -53,6 +53,34 @@ def heard() -> Iterator[None]:
         for timer in repeated:
             timer.join()
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def taken_as_request() -> Iterator[Callable[[], bool]]:
+    """Take Ctrl+C, or SIGTERM, as a request to end soon; a second Ctrl+C ends the command at once.
+
+    A second SIGTERM does not: some programs send it to the command, and to its process group.
+
+    Yields:
+        What says whether there was such a request.
+    """
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():  # only that one can hear it
+        yield asked.is_set
+        return
+    before = {which: signal.getsignal(which) for which in (signal.SIGINT, signal.SIGTERM)}
+
+    def ask(_signal: int, _frame: FrameType | None) -> None:
+        asked.set()
+        signal.signal(signal.SIGINT, before[signal.SIGINT])
+
+    for which in before:
+        signal.signal(which, ask)
+    try:
+        yield asked.is_set
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler)
 
 
 def _is_importing(frame: FrameType | None) -> bool:

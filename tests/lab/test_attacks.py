@@ -19,7 +19,6 @@ from faceedit_app.lab.attacks import fuzz_watch
 from faceedit_app.lab.attacks.fuzz import Findings, fuzz
 from faceedit_app.lab.attacks.fuzz_job import Result
 from faceedit_app.lab.attacks.fuzz_process import outcome_of
-from faceedit_app.lab.attacks.kill import kill
 from faceedit_app.lab.attacks.mutation import mutated
 from faceedit_app.lab.attacks.reader import Reader
 from faceedit_app.lab.attacks.readers import all_readers, readers_of
@@ -101,6 +100,7 @@ def test_a_file_that_kills_or_stops_its_reader_is_a_failure_and_all_others_are_r
         assert failure.path.read_text() == f"9 {number}"
     assert found.inputs == 24
     assert found.refused == {"takes": 8}
+    assert fuzz(24, seed=9, keep=tmp_path, jobs=1, is_stopped=lambda: True).inputs == 0
 
 
 def test_a_failure_is_printed_with_its_seed_and_ends_in_1(
@@ -156,11 +156,3 @@ def test_steps_that_end_in_time_let_an_attack_go_on(tmp_path: Path) -> None:
         dog.step()
     assert not ended
     assert (tmp_path / "said").read_text(encoding="utf-8") == ""
-
-
-@pytest.mark.timeout(400)
-@pytest.mark.skipif(sys.platform == "win32", reason="no kill -9")
-def test_a_window_that_is_killed_loses_no_finished_gesture() -> None:
-    found = kill(2, seed=1)
-    assert not found.problems, found.lines()
-    assert sum(found.kills.values()) == 2

@@ -63,6 +63,7 @@ def fuzz(
     advance: Callable[[int], None] = lambda done: None,
     jobs: int | None = None,
     seconds: float | None = None,
+    is_stopped: Callable[[], bool] = lambda: False,
 ) -> Findings:
     """Damage valid files at random, and read them in processes of their own.
 
@@ -74,8 +75,9 @@ def fuzz(
         advance: called with the number of inputs done.
         jobs: how many processes; None = one for each processor.
         seconds: after these, no further inputs are begun; None = all are tried.
+        is_stopped: whether to begin no further inputs, although there is time.
     """
-    findings, blocks = Findings(), _blocks(inputs, seconds)
+    findings, blocks = Findings(), _blocks(inputs, seconds, is_stopped)
     with tempfile.TemporaryDirectory() as name:
         job = Job(seed, keep.absolute(), tuple(path.absolute() for path in samples))
         count = min(jobs or os.cpu_count() or 1, -(-inputs // _BLOCK))
@@ -94,10 +96,10 @@ def fuzz(
     return findings
 
 
-def _blocks(inputs: int, seconds: float | None) -> Iterator[range]:
+def _blocks(inputs: int, seconds: float | None, is_stopped: Callable[[], bool]) -> Iterator[range]:
     """The numbers of the inputs, in parts, until the time is over."""
     began = time.monotonic()
     for at in range(0, inputs, _BLOCK):
-        if seconds is not None and time.monotonic() - began > seconds:
+        if is_stopped() or (seconds is not None and time.monotonic() - began > seconds):
             return
         yield range(at, min(at + _BLOCK, inputs))

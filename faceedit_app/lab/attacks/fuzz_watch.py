@@ -13,6 +13,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from faceedit_app.core.signals import signals_wait
 from faceedit_app.lab.attacks.fuzz_job import Job, Result
 
 PATIENCE = 60.0  # seconds of processor time without a result, after which a process hangs
@@ -62,7 +63,8 @@ class ReadingProcess:
         spawn = get_context("spawn")
         self.pipe, theirs = spawn.Pipe()
         self._process = spawn.Process(target=_read, args=(theirs, self._job, self._folder))
-        self._process.start()
+        with signals_wait(signal.SIGINT, signal.SIGTERM):  # the attack ends it
+            self._process.start()
         theirs.close()
         self._readers: list[str] = []  # their names, once it is ready
         self._did = 0

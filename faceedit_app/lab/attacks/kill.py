@@ -2,181 +2,73 @@
 
 from __future__ import annotations
 
-import json
-import queue
-import random
-import shutil
-import subprocess
-import sys
+import os
+import signal
 import tempfile
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
-from typing import IO, Any
 
-from faceedit_app.core.errors import FileError
-from faceedit_app.core.resources import DEMO_TAKE, shipped
-from faceedit_app.editing.files.pending import pending_journals
-from faceedit_app.editing.files.project import read_project
-from faceedit_app.formats.opening import open_take
-from faceedit_app.lab.attacks import victim
+from faceedit_app.core.signals import signals_wait
+from faceedit_app.lab.attacks.kill_series import Killed, Series
 
-_PATIENCE = 600.0  # seconds for a window to start on a busy machine
-_LONGEST_WORK = 6.0  # seconds from the first gesture to a kill
-_AT_START = 0.25  # of the kills come while the window starts
+_LONGEST = 20  # kills in a series
+_LOOKS = 0.2  # seconds between two looks at the series
 
 
-@dataclass
-class Killed:
-    """How it went.
-
-    Attributes:
-        kills: how many, by when: start, gestures, save, export.
-        steps: finished gestures and undos.
-        problems: what went wrong, one line each.
-    """
-
-    kills: dict[str, int] = field(default_factory=dict)
-    steps: int = 0
-    problems: list[str] = field(default_factory=list)
-
-    def lines(self) -> list[str]:
-        """A summary, then the problems."""
-        when = ", ".join(f"{count} in {name}" for name, count in sorted(self.kills.items()))
-        return [f"{sum(self.kills.values())} kills ({when}), {self.steps} steps", *self.problems]
-
-
-@dataclass
-class _Known:
-    """What the victims have said so far.
-
-    Attributes:
-        state: after the last finished step.
-        saved: states that were saved as a project or exported, or are being: their journal ends.
-        begun: what has begun and not ended: save or export.
-    """
-
-    state: str = ""
-    saved: set[str] = field(default_factory=set)
-    begun: str = ""
-
-
-def kill(times: int, seed: int, advance: Callable[[int], None] = lambda done: None) -> Killed:
-    """Kill a window again and again; each start recovers what the last one has left.
+def kill(
+    times: int,
+    seed: int,
+    advance: Callable[[int], None] = lambda done: None,
+    jobs: int | None = None,
+    seconds: float | None = None,
+    is_stopped: Callable[[], bool] = lambda: False,
+) -> Killed:
+    """Kill a window again and again, in series of twenty.
 
     Args:
         times: how often.
-        seed: the same seed makes the same gestures; the moments depend on the machine.
+        seed: the same seed makes the same gestures, however many windows there are at once; how far
+            they come depends on the machine.
         advance: called with the number of kills done.
+        jobs: how many windows at once; None = one for each processor.
+        seconds: after these, no further window is started; None = all are.
+        is_stopped: whether to end at once; kills that are under way do not count.
     """
-    killed, chance = Killed(), random.Random(seed)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        shutil.copy(shipped(DEMO_TAKE), folder / "take.csv")
-        known = _Known()
-        for number in range(times):
-            _one(folder, seed + number, chance, known, killed)
-            _check(folder, known, killed)
-            advance(number + 1)
-            if killed.problems:
-                break
+    parts = [range(at, min(at + _LONGEST, times)) for at in range(0, times, _LONGEST)]
+    until = time.monotonic() + seconds if seconds is not None else None
+    is_over, killed = threading.Event(), Killed()
+
+    def work(series: Series, numbers: range) -> None:
+        for number in numbers:
+            is_late = until is not None and time.monotonic() > until
+            if is_late or is_over.is_set() or series.killed.problems:
+                return
+            series.kill(f"{seed} {number}", is_over.is_set)
+
+    with (
+        tempfile.TemporaryDirectory() as name,
+        ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, len(parts))) as pool,
+    ):
+        all_series = [Series(_new_folder(Path(name), part)) for part in parts]
+        with signals_wait(signal.SIGINT, signal.SIGTERM):  # windows end when they are killed
+            working = [pool.submit(work, *both) for both in zip(all_series, parts, strict=True)]
+        try:
+            while wait(working, _LOOKS).not_done:
+                advance(sum(series.done for series in all_series))
+                if is_stopped() or any(series.killed.problems for series in all_series):
+                    is_over.set()
+        finally:
+            is_over.set()
+        for future, series in zip(working, all_series, strict=True):
+            future.result()
+            killed.add(series.killed)
     return killed
 
 
-def _one(folder: Path, seed: int, chance: random.Random, known: _Known, killed: Killed) -> None:
-    """Start a victim, and kill it at a random moment."""
-    command = [sys.executable, "-m", victim.__name__, str(folder), str(seed)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    said: queue.Queue[dict[str, Any] | None] = queue.Queue()
-    reader = threading.Thread(target=_read, args=(process.stdout, said), daemon=True)
-    reader.start()
-    at_start = chance.random() < _AT_START
-    moment = time.monotonic() + (chance.uniform(0.0, 3.0) if at_start else _PATIENCE)
-    is_ready, ended = False, False
-    while (left := moment - time.monotonic()) > 0:
-        try:
-            line = said.get(timeout=left)
-        except queue.Empty:
-            break
-        if line is None:
-            ended = True
-            break
-        if line.get("did") in ("open", "recover") and not at_start:
-            is_ready = True
-            moment = time.monotonic() + chance.uniform(0.0, _LONGEST_WORK)
-        _note(line, known, killed)
-    process.kill()
-    errors = process.communicate()[1]
-    reader.join(10)
-    while not said.empty():
-        line = said.get()
-        if line is not None:
-            _note(line, known, killed)
-    when = "start" if at_start else known.begun or "gestures"
-    killed.kills[when] = killed.kills.get(when, 0) + 1
-    if ended or not (is_ready or at_start):
-        last = errors.strip().splitlines()[-1:] or ["no error"]
-        killed.problems.append(f"the window ended by itself, or did not start: {last[0][:200]}")
-
-
-def _read(stream: IO[str], said: queue.Queue[dict[str, Any] | None]) -> None:
-    for line in stream:
-        if line.startswith("{") and line.endswith("}\n"):
-            said.put(json.loads(line))
-    said.put(None)
-
-
-def _note(line: dict[str, Any], known: _Known, killed: Killed) -> None:
-    match line:
-        case {"starts": True}:
-            known.begun = ""
-        case {"did": "recover", "state": str(state)} if known.state and state != known.state:
-            killed.problems.append("a start has not recovered the last finished gesture")
-        case {"did": "open", "state": str(state)}:
-            known.state = state
-            known.saved.add(state)  # nothing was to be recovered
-        case {"did": "step", "state": str(state)}:
-            known.state = state
-            killed.steps += 1
-        case {"begins": str(what), "state": str(state)}:
-            known.begun = what
-            known.saved.add(state)
-        case {"did": "save" | "export"}:
-            known.begun = ""
-
-
-def _check(folder: Path, known: _Known, killed: Killed) -> None:
-    """What is on the disk after a kill: the last finished gesture, and whole files."""
-    pending = pending_journals(folder / "journals")
-    if len(pending) > 1:
-        killed.problems.append(f"{len(pending)} sessions are offered for recovery")
-    states = _last_states(pending[0].path) if pending else []
-    if not states and known.state not in {"", *known.saved}:
-        killed.problems.append("the last finished gesture is lost")
-    if states and known.state not in ("", *states):
-        killed.problems.append("the journal does not hold the last finished gesture")
-    known.state = states[-1] if states else known.state
-    for name, read in ((victim.PROJECT, read_project), (victim.EXPORTED, open_take)):
-        path = folder / name
-        try:
-            if path.exists():
-                read(path)
-        except FileError as error:
-            killed.problems.append(f"a file was left half written: {error}")
-    if (folder / "take.csv").read_bytes() != shipped(DEMO_TAKE).read_bytes():
-        killed.problems.append("the take was changed")
-
-
-def _last_states(journal: Path) -> list[str]:
-    """The last two states in a journal: a gesture may be written before the victim says so."""
-    content = journal.read_bytes()
-    shorter = content[: content[:-1].rfind(b"\n") + 1]
-    found = []
-    for part in (shorter, content):
-        with tempfile.TemporaryDirectory() as name:
-            (Path(name) / journal.name).write_bytes(part)
-            found += [victim.state_of(pending.state) for pending in pending_journals(Path(name))]
-    return found
+def _new_folder(parent: Path, numbers: range) -> Path:
+    folder = parent / str(numbers.start)
+    folder.mkdir()
+    return folder

@@ -74,6 +74,7 @@ def soak(
     advance: Callable[[float], None] = lambda elapsed: None,
     character: Path | None = None,
     keep: Path | None = None,
+    is_stopped: Callable[[], bool] = lambda: False,
 ) -> Soaked:
     """Use a window at random until time is up or something goes wrong.
 
@@ -85,6 +86,7 @@ def soak(
         advance: called with the seconds that have passed.
         character: the user's, shown at first and now and then.
         keep: folder for the edits and the exports at the end, if anything went wrong.
+        is_stopped: whether to end although there is time.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     application()
@@ -104,7 +106,7 @@ def soak(
             dog = watch.enter_context(Watchdog(lambda: f"seed {seed}, after {monkey.said}"))
 
             def is_over() -> bool:
-                return time.monotonic() - began > seconds
+                return is_stopped() or time.monotonic() - began > seconds
 
             while not soaked.problems and not is_over():
                 if _burst(monkey, soaked, dog, lambda: [*unexpected, *refused], is_over):

@@ -1,6 +1,7 @@
 """A window that works at random until it is killed, and says what it has finished.
 
-It prints a line of JSON before and after everything that must not be lost; `kill.py` reads them.
+It prints a line of JSON before and after everything that must not be lost; `kill_series.py` reads
+them.
 """
 
 from __future__ import annotations
@@ -40,7 +41,10 @@ def state_of(state: EditState) -> str:
 
 
 def _say(**what: object) -> None:
-    print(json.dumps(what), flush=True)
+    try:
+        print(json.dumps(what), flush=True)
+    except OSError:  # nobody is left to kill it
+        os._exit(1)
 
 
 def _announce_saving(document: Document) -> None:
@@ -56,8 +60,8 @@ def _announce_saving(document: Document) -> None:
     document.save_project = announced  # type: ignore[method-assign]
 
 
-def main(folder: Path, seed: int) -> None:
-    """Work on `folder/take.csv` until killed."""
+def main(folder: Path, seed: str) -> None:
+    """Work on `folder/take.csv` until killed; the same seed makes the same gestures."""
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     application()
     journal.journal_folder = lambda: folder / "journals"
@@ -87,4 +91,4 @@ def main(folder: Path, seed: int) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]))
+    main(Path(sys.argv[1]), sys.argv[2])
