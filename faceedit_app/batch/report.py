@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from faceedit_app.batch.tasks import REPORT, Outcome, Skipped
-from faceedit_app.core.atomic import write_atomically
+from faceedit_app.core.atomic import said_of, write_atomically
 from faceedit_app.formats.timing import counted
 
 _COLUMNS = (
@@ -98,11 +98,10 @@ def _row(one: Outcome) -> str:
     name = html.escape(one.name)
     if one.error:
         return f'<tr><td>{name}<td colspan="5"><td class="bad">{html.escape(one.error)}</tr>'
-    kept = f" (the file that was there is now {one.backup})" if one.backup else ""
     return (
         f'<tr><td>{name}<td>{_curves(one)}<td class="n">{one.seconds:.1f}'
         f'<td class="n">{one.changed} of {one.frames}<td class="n">{one.problems}'
-        f'<td class="n">{one.left}<td>{html.escape(one.written + kept)}</tr>'
+        f'<td class="n">{one.left}<td>{html.escape(one.written + said_of(one.backup))}</tr>'
     )
 
 

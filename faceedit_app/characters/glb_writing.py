@@ -14,7 +14,7 @@ from faceedit_app.characters.base_colors import png_of
 from faceedit_app.characters.glb import SHADE
 from faceedit_app.characters.turning import HEAD_JOINT, Turning
 from faceedit_app.core.arrays import Pixels
-from faceedit_app.core.atomic import GLB, begins_with, keep_other, write_atomically
+from faceedit_app.core.atomic import GLB, begins_with, write_keeping
 from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.rig import Material, Rig
 
@@ -95,9 +95,7 @@ def write_rig(path: Path | str, rig: Rig) -> Path | None:
         FileError: the file cannot be written.
     """
     content = rig_content(rig)
-    backup = keep_other(path, begins_with(GLB))
-    write_atomically(path, content)
-    return backup
+    return write_keeping(path, content, begins_with(GLB))
 
 
 def rig_content(

@@ -15,7 +15,7 @@ from faceedit_app.characters.matches import Half, ShapeMatch, Share
 from faceedit_app.characters.points import POINTS
 from faceedit_app.core import on_disk
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.atomic import keep_other, write_atomically
+from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import is_document
 from faceedit_app.core.levels import STRONGEST_LEVEL, UNCHANGED, Level, is_level
@@ -73,8 +73,11 @@ def read_map(path: Path) -> CharacterMap | None:
         raise FileError(path, "is not a character map", _REMEDY) from error
 
 
-def write_map(path: Path, mapping: CharacterMap) -> None:
+def write_map(path: Path, mapping: CharacterMap) -> Path | None:
     """Write a map, completely or not at all.
+
+    Returns:
+        The copy that was kept of a file that was no map; None if there was none.
 
     Raises:
         FileError: it cannot be written.
@@ -88,8 +91,11 @@ def write_map(path: Path, mapping: CharacterMap) -> None:
             for channel, level in mapping.levels.items()
         }
     text = json.dumps(document, indent=2, ensure_ascii=False)
-    keep_other(path, lambda there: is_document(there, "faceedit_character_map"))
-    write_atomically(path, text.encode("utf-8", "replace") + b"\n")
+    return write_keeping(
+        path,
+        text.encode("utf-8", "replace") + b"\n",
+        lambda there: is_document(there, "faceedit_character_map"),
+    )
 
 
 def _stored(share: Share) -> str | dict[str, Any]:

@@ -18,6 +18,7 @@ from faceedit_app.command_line.options import (
     TakeFpsOption,
 )
 from faceedit_app.command_line.progress import bar
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
 
@@ -120,9 +121,7 @@ def _worked_on(
                     said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
                     if outcome.again:
                         said += f"; made again, because the result {outcome.again}"
-                    if outcome.backup:
-                        said += f"; the file that was there is now {outcome.backup}"
-                    say(f"[{done}/{of}] {outcome.name}: {said}")
+                    say(f"[{done}/{of}] {outcome.name}: {said}{said_of(outcome.backup)}")
 
             return run(tasks, log, jobs, scheduler, report)
     except KeyboardInterrupt:

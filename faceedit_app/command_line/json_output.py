@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.texts import say
 
 if TYPE_CHECKING:
@@ -23,10 +24,11 @@ def say_json(facts: object) -> None:
     say(json.dumps(facts, indent=2))
 
 
-def say_kept(path: Path, backup: Path | None) -> None:
-    """Say that a copy of the file that was there before was kept, if it was."""
-    if backup is not None:
-        say(f"{path}: the file that was there is now {backup}", to=sys.stderr)
+def say_kept(path: Path, *backups: Path | None) -> None:
+    """Say which copies of files that were there before were kept, if any."""
+    if any(backups):
+        names = (None if backup is None else str(backup) for backup in backups)
+        say(f"{path}: {said_of(*names).removeprefix('; ')}", to=sys.stderr)
 
 
 def written_facts(

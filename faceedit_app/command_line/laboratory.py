@@ -17,8 +17,7 @@ from faceedit_app.core.atomic import (
     begins_with,
     check_folder,
     check_outputs,
-    keep_other,
-    write_atomically,
+    write_keeping,
 )
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.fields import is_document
@@ -154,8 +153,12 @@ def evaluate(
             advance,
         )
     if output is not None:
-        say_kept(output, keep_other(output, is_document))
-        write_atomically(output, (json.dumps(figures.as_json(), indent=2) + "\n").encode())
+        say_kept(
+            output,
+            write_keeping(
+                output, (json.dumps(figures.as_json(), indent=2) + "\n").encode(), is_document
+            ),
+        )
     if report is not None:
         print(write_report(report, figures))
     for line in summary_lines(figures):
@@ -197,8 +200,9 @@ def evaluate_words(
     figures = evaluation.evaluate_words(takes, words, load_engine(shipped_rig(), models))
     text = evaluation.report(figures)
     if output is not None:
-        say_kept(output, keep_other(output, begins_with(text.encode().splitlines()[0])))
-        write_atomically(output, text.encode())
+        say_kept(
+            output, write_keeping(output, text.encode(), begins_with(text.encode().splitlines()[0]))
+        )
     print(json.dumps(figures.as_json(), indent=2) if as_json else text)
 
 
@@ -247,8 +251,7 @@ def evaluate_tracking(
         )
     if output is not None:
         text = json.dumps(tracking.as_json(figures), indent=2) + "\n"
-        say_kept(output, keep_other(output, is_document))
-        write_atomically(output, text.encode())
+        say_kept(output, write_keeping(output, text.encode(), is_document))
     print(tracking.table(figures))
 
 

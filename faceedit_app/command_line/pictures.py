@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from faceedit_app.command_line.json_output import say_kept
 from faceedit_app.command_line.opening import edited_session
 from faceedit_app.command_line.options import (
     CharacterOption,
@@ -166,7 +167,7 @@ def _draw(
     turns = session.rotations if follow_head else None
     rotation = None if turns is None else turns[frame]
     weights, shown = session.weights[frame], session.shown_rig
-    write_png(output, snapshot(shown, weights, *size, rotation=rotation))
+    say_kept(output, write_png(output, snapshot(shown, weights, *size, rotation=rotation)))
     say(f"{output}: frame {frame} of {session.take.path}")
 
 
@@ -191,6 +192,7 @@ def _film(
             rotations=rotations,
         )
     assert filmed is not None  # nothing stops it
+    say_kept(output, filmed.backup)
     say(f"{output}: {filmed.frames} pictures at {format_rate(filmed.rate)}, {filmed.codecs}")
     if filmed.size != shot.size:
         say(f"  {filmed.size[0]} x {filmed.size[1]} pixels, because films have even sides")

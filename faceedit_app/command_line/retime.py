@@ -113,7 +113,7 @@ def retime(
         offset = 0.0 if media.sound is None else media.sound.offset
         new = written.words(said.shifted(offset))
         assert new is not None
-        write_words(grid, new, written.clip.duration)
+        json_output.say_kept(grid, write_words(grid, new, written.clip.duration))
     _report(take, output, written, None if said is None else grid, as_json)
 
 
@@ -134,7 +134,7 @@ def _report(take: Path, output: Path, written: Written, words: Path | None, as_j
     from faceedit_app.formats.timing import counted
 
     clip = written.clip
-    json_output.say_kept(output, written.backup)
+    json_output.say_kept(output, written.backup, *written.backups)
     if as_json:
         facts = json_output.written_facts(
             output, take, written.form, clip, written.remarks, written.backup

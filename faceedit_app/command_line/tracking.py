@@ -228,8 +228,7 @@ def _track_one(
     if line is not None:
         line.clear()
     backup = write_take(tracked, take, fps)
-    write_landmarks(tracked, take)
-    say_kept(take, backup)
+    say_kept(take, backup, write_landmarks(tracked, take))
     return tracked
 
 
@@ -247,7 +246,10 @@ def _report(
         edited = with_fills(session)
     folder.mkdir(parents=True, exist_ok=True)
     shown = SideBySide.of_tracked(tracked, edited)
-    return write_side_by_side(folder / f"{_REPORT}.mp4", shown, rig)
+    film = folder / f"{_REPORT}.mp4"
+    picture, backups = write_side_by_side(film, shown, rig)
+    say_kept(film, *backups)
+    return picture, film
 
 
 def _facts(tracked: Tracked, take: Path, fps: float | None) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from pathlib import Path
 from faceedit_app.core import on_disk
 from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.filelock import lock, try_lock
+from faceedit_app.core.texts import listed
 
 _SUFFIX = ".faceedit-new"
 _LONGEST_NAME = 255  # bytes, on most file systems
@@ -38,14 +39,7 @@ def write_atomically(path: Path | str, content: bytes) -> None:
         FileError: the folder is missing or read-only, the disk is full, or the system does not
             allow the name.
     """
-    try:
-        os.fsencode(path)
-    except UnicodeEncodeError:
-        path, problem = Path(path), "cannot be written (the name is not valid here)"
-        raise FileError(path, problem, "choose another name") from None
-    path = Path(os.path.realpath(path))  # follow a link to its target
-    if on_disk.exists(path) and not on_disk.is_file(path):  # a rename would replace /dev/null
-        raise FileError(path, "cannot be written (it is not a file)", "choose another name")
+    path = target_of(path)
     temporary: Path | None = None
     try:
         handle, name = tempfile.mkstemp(_SUFFIX, _prefix(path), path.parent)
@@ -69,6 +63,23 @@ def write_atomically(path: Path | str, content: bytes) -> None:
     remove_leftovers(path.parent)
 
 
+def target_of(path: Path | str) -> Path:
+    """The file that is replaced if `path` is written: that which a link leads to.
+
+    Raises:
+        FileError: the system does not allow the name, or something else than a file is there.
+    """
+    path = Path(path)
+    try:
+        os.fsencode(path)
+    except UnicodeEncodeError:
+        problem = "cannot be written (the name is not valid here)"
+        raise FileError(path, problem, "choose another name") from None
+    if on_disk.exists(path) and not on_disk.is_file(path):  # a rename would replace /dev/null
+        raise FileError(path, "cannot be written (it is not a file)", "choose another name")
+    return Path(os.path.realpath(path))
+
+
 def check_writable(path: Path) -> None:
     """Check that a file can be written, before work whose result it will hold.
 
@@ -77,10 +88,10 @@ def check_writable(path: Path) -> None:
     Raises:
         FileError: as `write_atomically` would.
     """
+    real = target_of(path)
     try:
-        real = Path(os.path.realpath(path))
-        if real.exists() and not real.is_file():
-            raise FileError(path, "cannot be written (it is not a file)", "choose another name")
+        with contextlib.suppress(FileNotFoundError):
+            real.stat()  # fails if the name is too long
         with tempfile.TemporaryFile(dir=real.parent):
             pass
     except OSError as error:
@@ -194,6 +205,29 @@ def keep_other(path: Path | str, is_ours: Callable[[Path], bool]) -> Path | None
         if isinstance(error.__cause__, OSError):  # about the file that the user named
             raise not_written(path, error.__cause__) from error
         raise
+
+
+def write_keeping(path: Path | str, content: bytes, is_ours: Callable[[Path], bool]) -> Path | None:
+    """Write a file, of which one of another kind that is there is kept: `keep_other`.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    backup = keep_other(path, is_ours)
+    write_atomically(path, content)
+    return backup
+
+
+def said_of(*backups: Path | str | None) -> str:
+    """What to add to a message about files that were written, if copies of others were kept.
+
+    Args:
+        backups: what `keep_other` returned; "" is none as well.
+    """
+    names = [backup.name if isinstance(backup, Path) else backup for backup in backups if backup]
+    if len(names) > 1:
+        return f"; the files that were there are now {listed(names)}"
+    return f"; the file that was there is now {names[0]}" if names else ""
 
 
 def begins_with(*marks: bytes) -> Callable[[Path], bool]:

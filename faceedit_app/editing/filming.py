@@ -13,7 +13,7 @@ from PIL import Image
 
 from faceedit_app import render
 from faceedit_app.core.arrays import Floats, Pixels
-from faceedit_app.core.atomic import keep_backup, keep_inputs
+from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.head import Head
@@ -96,6 +96,7 @@ class Filmed:
         rate: pictures per second.
         codecs: the names of its encoders.
         size: its width and height, pixels; even, as encoders want them.
+        backup: the copy of a file that was no film, and that it replaced; None if there was none.
     """
 
     path: Path
@@ -104,6 +105,7 @@ class Filmed:
     rate: float
     codecs: str
     size: tuple[int, int]
+    backup: Path | None = None
 
 
 def media_of(take: Take, sound: Path | None = None, film: Path | None = None) -> Placement:
@@ -177,8 +179,7 @@ def film_take(
     edited, tracked = _poses(take.clip, weights, rotations, rate, shot.follows_head)
     size = shot.size[0] - shot.size[0] % 2, shot.size[1] - shot.size[1] % 2
     keep_inputs([path], (part.path for part in (media.sound, media.film) if part is not None))
-    if is_replaced(path, take.path, shot.overwrite, can_allow=False):
-        keep_backup(path)
+    is_replaced(path, take.path, shot.overwrite, can_allow=False)  # a recording, which is no film
     with ExitStack() as opened:
         film = None
         if shot.view.has_film and media.film is not None:
@@ -196,7 +197,7 @@ def film_take(
                     progress(number + 1, len(edited))
         except Abandoned:
             return None
-    return Filmed(path, form, len(edited), rate, out.codecs, size)
+    return Filmed(path, form, len(edited), rate, out.codecs, size, out.backup)
 
 
 def shown_by(session: EditSession) -> tuple[Take, Floats, Floats | None]:

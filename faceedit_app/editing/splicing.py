@@ -48,6 +48,7 @@ class Written:
         remarks: sentences about what it does not hold.
         form: the name of its format.
         backup: the copy of the recording that it replaced, if it did.
+        backups: the copies of the sound and the film that were replaced.
     """
 
     path: Path
@@ -58,6 +59,7 @@ class Written:
     remarks: tuple[str, ...]
     form: str = ""
     backup: Path | None = None
+    backups: tuple[Path, ...] = ()
 
     @property
     def names(self) -> str:
@@ -115,10 +117,10 @@ def write_spliced(
     paths = path.with_suffix(".wav"), path.with_suffix(".mp4")
     new = [p for p, there in zip(paths, (sound, film), strict=True) if there is not None]
     _check_room(path, new, overwrite)
+    backups: tuple[Path, ...] = ()
     if overwrite:
         _check_other((path, *new), take, media)
-        for file in filter(Path.exists, new):
-            keep_backup(file)
+        backups = tuple(keep_backup(file) for file in new if on_disk.exists(file))
     with ExitStack() as undo:  # of what was written, if anything fails
         if sound is not None and media.sound is not None:
             samples = spliced_sound(sound, media.sound.offset, made)
@@ -141,7 +143,7 @@ def write_spliced(
         undo.pop_all()
     written = (paths[0] if sound is not None else None), (paths[1] if film is not None else None)
     lines = (*made.notes, *exported.said(), *remarks)
-    return Written(path, made.clip, *written, made, lines, form.name, exported.backup)
+    return Written(path, made.clip, *written, made, lines, form.name, exported.backup, backups)
 
 
 def _form_for(take: Take, path: Path) -> tuple[OutFormat, list[str]]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.containers import Holds, content_holds
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import first_rows, plain_text
 
@@ -70,13 +71,6 @@ def _is_archive_of(*names: bytes) -> Callable[[bytes], bool]:
     )
 
 
-def _is_film(content: bytes) -> bool:
-    """MP4, QuickTime, Matroska, WebM, AVI or MPEG, by how they begin."""
-    is_mp4 = content[4:8] in (b"ftyp", b"moov", b"mdat") and content[8:11] != b"M4A"
-    is_avi = content[:4] == b"RIFF" and content[8:11] == b"AVI"
-    return is_mp4 or is_avi or content.startswith((b"\x1aE\xdf\xa3", b"\0\0\x01\xba"))
-
-
 def _is_picture(content: bytes) -> bool:
     """PNG, JPEG, GIF, WebP, BMP, TIFF, HEIC, AVIF or Photoshop, by how they begin."""
     is_webp = content[:4] == b"RIFF" and content[8:12] == b"WEBP"
@@ -129,8 +123,12 @@ _FOREIGN: tuple[Foreign, ...] = (
             "export the character with its shape keys and their animation", _starts(b"glTF")),
     Foreign("is a picture, not a take or a film", "choose a take, or a film such as an MP4",
             _is_picture),
-    Foreign("is a film, not a take", "track it: File > Track a film", _is_film,
+    Foreign("is a film, not a take", "track it: File > Track a film", content_holds(Holds.FILM),
             "faceedit track makes a take of it"),
+    Foreign("is a sound, not a take", "open its take first, then add the sound to it",
+            content_holds(Holds.SOUND), "give its take; the sound is found beside it"),
+    Foreign("begins like a film or a sound, but is not whole", "copy it again",
+            content_holds(Holds.UNKNOWN)),
     Foreign("is an FBX file", _AS_GLB_OR_CSV, _starts(b"Kaydara FBX Binary", b"; FBX")),
     Foreign("is a USD file in binary form", _AS_USDA, _starts(b"PXR-USDC")),
     Foreign("is USD text without an animation of ARKit's shapes", _AS_GLB_OR_CSV,

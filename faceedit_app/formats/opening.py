@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.atomic import keep_other, write_atomically
+from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.encodings import as_utf8, recoded
 from faceedit_app.formats.files import read_bytes
@@ -55,19 +55,21 @@ def write_take(
     weights: Floats,
     rotations: Floats | None = None,
     confidence: Floats | None = None,
-) -> None:
+) -> Path | None:
     """Export a take with other weights (T, K), in the format of its source.
 
     Rotations, (T, 9), and confidence, (T,), as in `Clip`, are those of the take if they are None.
 
     The file is replaced as a whole, so exporting over the source itself is safe.
 
+    Returns:
+        The copy that was kept of a file that was no take; None if there was none.
+
     Raises:
         FileError: the file cannot be written, or a weight is not a finite number.
     """
     content = encoded_take(path, take, weights, None, rotations, confidence)
-    keep_other(path, is_take)
-    write_atomically(path, content)
+    return write_keeping(path, content, is_take)
 
 
 def encoded_take(

@@ -21,7 +21,8 @@ import numpy as np
 
 from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Pixels
-from faceedit_app.core.atomic import keep_other, not_written
+from faceedit_app.core.atomic import keep_other, not_written, target_of
+from faceedit_app.core.containers import holds_film
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable
 from faceedit_app.media.sound import Sound
 
@@ -125,19 +126,14 @@ class Writer(Protocol):
 
     Attributes:
         codecs: the names of its encoders, for the user.
+        backup: once it is written, the copy of a file of another kind that it replaced, if any.
     """
 
     codecs: str
+    backup: Path | None
 
     def add(self, picture: Pixels) -> None:
         """Add a picture (H, W, 3) uint8, RGB."""
-
-
-def _is_film(path: Path) -> bool:
-    """Whether a file is an MP4 (or QuickTime) or WebM by its first bytes."""
-    with path.open("rb") as file:
-        head = file.read(8)
-    return head[4:] == b"ftyp" or head[:4] == b"\x1aE\xdf\xa3"
 
 
 @contextlib.contextmanager
@@ -157,37 +153,31 @@ def writing(
         FileError: it cannot be written.
         Unavailable: PyAV, or an encoder, is not there.
     """
-    path = Path(os.path.realpath(path))
-    if (
-        not form.ending
-        and on_disk.exists(path)
-        and (not on_disk.is_folder(path) or any(path.iterdir()))
-    ):
-        raise FileError(path, "exists and is not an empty folder", "choose a new folder")
-    if form.ending and on_disk.exists(path) and not on_disk.is_file(path):
-        raise FileError(path, "cannot be written (it is not a file)", "choose another name")
+    path = target_of(path) if form.ending else _new_folder(path)
     try:
         room = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
     except OSError as error:
         raise not_written(path, error) from error
     try:
         part = room / f"film{form.ending}"
+        writer: _FilmWriter | _PictureWriter
         if form.ending:
-            film = _FilmWriter(part, form, size, rate, track)
+            writer = _FilmWriter(part, form, size, rate, track)
             try:
-                yield film
-                film.finish()
+                yield writer
+                writer.finish()
             finally:
-                film.close()
+                writer.close()
         else:
             part.mkdir()
-            yield _PictureWriter(part)
+            writer = _PictureWriter(part)
+            yield writer
             if track is not None:
                 count = len(list(part.iterdir()))
                 _write_wav(part / "sound.wav", track, round(count / rate * _SAMPLES))
             if path.exists():
                 path.rmdir()
-        keep_other(path, _is_film)
+        writer.backup = keep_other(path, holds_film)
         part.replace(path)
     except (FaceEditError, GeneratorExit):
         raise
@@ -195,6 +185,18 @@ def writing(
         raise not_written(path, error) from error
     finally:
         shutil.rmtree(room, ignore_errors=True)
+
+
+def _new_folder(path: Path) -> Path:
+    """A folder for pictures, which is made once they are written.
+
+    Raises:
+        FileError: something is there already.
+    """
+    path = Path(os.path.realpath(path))
+    if on_disk.exists(path) and (not on_disk.is_folder(path) or any(path.iterdir())):
+        raise FileError(path, "exists and is not an empty folder", "choose a new folder")
+    return path
 
 
 class _FilmWriter:
@@ -213,6 +215,7 @@ class _FilmWriter:
         except ImportError as error:
             raise Unavailable(f"Films need PyAV, which cannot be loaded ({error})") from error
         self._av, self._track = av, track
+        self.backup: Path | None = None
         self._rate = Fraction(rate).limit_denominator(_FINEST)
         options = {"movflags": "+faststart"} if form.ending == ".mp4" else {}
         self._container: OutputContainer = av.open(f"file:{path}", "w", options=options)
@@ -332,6 +335,7 @@ class _PictureWriter:
 
     def __init__(self, folder: Path) -> None:
         self._folder, self._count = folder, 0
+        self.backup: Path | None = None
 
     def add(self, picture: Pixels) -> None:
         """Add a picture (H, W, 3) uint8, RGB."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Floats, Pixels
-from faceedit_app.core.atomic import PNG, begins_with, keep_other, write_atomically
+from faceedit_app.core.atomic import PNG, begins_with, write_keeping
 from faceedit_app.core.head import Head
 from faceedit_app.core.rig import Rig
 from faceedit_app.render.camera import Camera, default_camera
@@ -54,8 +54,11 @@ def snapshot(
         renderer.close()
 
 
-def write_png(path: Path | str, image: Pixels) -> None:
+def write_png(path: Path | str, image: Pixels) -> Path | None:
     """Write (H, W, 3) uint8 RGB as PNG, completely or not at all.
+
+    Returns:
+        The copy that was kept of a file that was no PNG; None if there was none.
 
     Raises:
         FileError: the file cannot be written.
@@ -64,5 +67,4 @@ def write_png(path: Path | str, image: Pixels) -> None:
 
     buffer = io.BytesIO()
     Image.fromarray(image).save(buffer, "PNG")  # `optimize` takes 8 times as long for 9 %
-    keep_other(path, begins_with(PNG))
-    write_atomically(path, buffer.getvalue())
+    return write_keeping(path, buffer.getvalue(), begins_with(PNG))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from faceedit_app.core.arrays import Doubles, Indices
-from faceedit_app.core.atomic import begins_with, keep_other, write_atomically
+from faceedit_app.core.atomic import begins_with, write_keeping
 from faceedit_app.core.errors import FileError
 from faceedit_app.tracking.drawing import DRAWN, ENDING
 from faceedit_app.tracking.landmarker import LANDMARKS, SURE
@@ -67,8 +67,11 @@ def files_of(take: Path) -> list[Path]:
     return [take, beside(take)]
 
 
-def write_landmarks(tracked: Tracked, take: Path) -> None:
+def write_landmarks(tracked: Tracked, take: Path) -> Path | None:
     """Write the landmarks beside a take.
+
+    Returns:
+        The copy that was kept of a file that holds none; None if there was none.
 
     Raises:
         FileError: the file cannot be written.
@@ -86,8 +89,7 @@ def write_landmarks(tracked: Tracked, take: Path) -> None:
         points=np.round(stored).astype(np.int16),
         confidence=np.round(255 * tracked.confidence).astype(np.uint8),
     )
-    keep_other(beside(take), begins_with(b"PK"))  # an NPZ is a ZIP
-    write_atomically(beside(take), memory.getvalue())
+    return write_keeping(beside(take), memory.getvalue(), begins_with(b"PK"))  # an NPZ is a ZIP
 
 
 def read_landmarks(path: Path) -> StoredLandmarks:

@@ -114,7 +114,7 @@ def write_side_by_side(
     rig: Rig,
     progress: Callable[[int, int], None] = lambda done, of: None,
     stopped: Callable[[], bool] | None = None,
-) -> tuple[Path, Path]:
+) -> tuple[Path, tuple[Path | None, ...]]:
     """Write an MP4 with the film's sound and, beside it, a PNG of four moments.
 
     Args:
@@ -125,7 +125,7 @@ def write_side_by_side(
         stopped: True gives up, and nothing is written.
 
     Returns:
-        The picture and the film.
+        The picture, and the copies that were kept of files of other kinds.
 
     Raises:
         FileError: a file cannot be written or read.
@@ -144,8 +144,8 @@ def write_side_by_side(
                 out.add(columns.picture(number))
                 progress(done, len(numbers))
         times = [float(columns.film.times[index]) + shown.offset for index in found]
-        write_png(picture, sheet(rows, times))
-    return picture, output
+        backup = write_png(picture, sheet(rows, times))
+    return picture, (out.backup, backup)
 
 
 def draw_landmarks(image: Image.Image, points: Doubles) -> Image.Image:

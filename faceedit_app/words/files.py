@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from faceedit_app.core.atomic import keep_other, write_atomically
+from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FileError, reason_of
 from faceedit_app.core.fields import FieldError, Fields, clean_text, parse, read_document, to_text
 from faceedit_app.words import subtitles, textgrids
@@ -70,9 +70,7 @@ def write_words(path: Path, transcript: Transcript, seconds: float) -> Path | No
         FileError: the ending is another, or the file cannot be written.
     """
     content = writer_for(path)(transcript, seconds)
-    backup = keep_other(path, is_words)
-    write_atomically(path, content)
-    return backup
+    return write_keeping(path, content, is_words)
 
 
 def writer_for(path: Path) -> Callable[[Transcript, float], bytes]:

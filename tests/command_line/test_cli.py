@@ -131,10 +131,13 @@ def test_apply_without_edits_gives_the_same_bytes(take: Path, models: str) -> No
 def test_render_draws_the_frame_at_a_time(take: Path, capfd: pytest.CaptureFixture[str]) -> None:
     need_opengl()
     out = take.parent / "face.png"
+    out.write_text("my only recording")
     code = main(["render", str(take), "-o", str(out), "--time", "1.0", "--size", "160x120"])
     from PIL import Image
 
-    assert code == 0, capfd.readouterr().err
+    said = capfd.readouterr().err
+    assert code == 0, said
+    assert f"{out}: the file that was there is now {out}.bak" in said
     with Image.open(out) as picture:
         assert picture.size == (160, 120)
         assert np.asarray(picture).std() > 5

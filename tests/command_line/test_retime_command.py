@@ -51,7 +51,9 @@ def test_a_new_take_is_replaced_only_if_asked_and_described_as_json(
     arguments = (take, "--cut", "0.5-1.0", "-o", new)
     assert "exists" in complaint(*arguments)
     assert main(["retime", *map(str, arguments), "--overwrite", "--json"]) == 0
-    facts = json.loads(capfd.readouterr().out)
+    out, said = capfd.readouterr()
+    assert f"{new}: the file that was there is now {tmp_path / 'new.wav.bak'}" in said
+    facts = json.loads(out)
     assert (facts["path"], facts["take"], facts["frames"]) == (str(new), str(take), 75)
     assert [facts[key] for key in ("sound", "film", "words")] == [
         str(tmp_path / "new.wav"),

@@ -29,17 +29,18 @@ EDIT = Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, 6.0)
 OTHER = b"the only recording of the day"
 
 
-def export(path: Path) -> None:
+def export(path: Path) -> Path | None:
     take = open_take(make_livelink_csv(path.parent / "source.csv", seconds=0.5))
-    export_take(take, take.clip, path, choose(path))
+    return export_take(take, take.clip, path, choose(path)).backup
 
 
-def film(path: Path) -> None:
+def film(path: Path) -> Path | None:
     with writing(path, film_format(path), (64, 64), 25.0, None) as out:
         out.add(np.zeros((64, 64, 3), np.uint8))
+    return out.backup
 
 
-WRITERS: dict[str, tuple[str, Callable[[Path], object]]] = {
+WRITERS: dict[str, tuple[str, Callable[[Path], Path | None]]] = {
     "project": (
         "a.faceedit",
         lambda path: write_project(path, Project(path, Fingerprint(1, "0"), EditState())),
@@ -59,18 +60,18 @@ WRITERS: dict[str, tuple[str, Callable[[Path], object]]] = {
 
 
 @pytest.mark.parametrize(("name", "write"), WRITERS.values(), ids=WRITERS)
-def test_a_copy_is_kept_of_a_file_of_another_kind_only(
-    tmp_path: Path, name: str, write: Callable[[Path], object]
+def test_a_copy_is_kept_of_a_file_of_another_kind_only_and_its_name_returned(
+    tmp_path: Path, name: str, write: Callable[[Path], Path | None]
 ) -> None:
     path = tmp_path / name
     backup = path.with_name(f"{name}.bak")
     path.write_bytes(OTHER)
-    write(path)
+    assert write(path) == backup
     assert backup.read_bytes() == OTHER
     backup.unlink()
-    write(path)
+    assert write(path) is None
     path.write_bytes(b"")  # which holds nothing to keep
-    write(path)
+    assert write(path) is None
     assert not backup.exists()
 
 

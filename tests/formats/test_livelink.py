@@ -235,7 +235,7 @@ def test_random_edits_change_their_cells_and_no_other(
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", None, "is a picture, not a take or a film"),
         (b"\0\1\2\3" * 9, None, "not a text file but binary"),
         (b"\xff\xd8\xff\xe0JFIF", None, "is a picture, not a take or a film"),
-        (b"\xff\xfb\x90\x44sound", 1, "no ARKit channel"),
+        (b"\xff\xfb\x90\x44sound", None, "is a sound, not a take"),
         ((HEADER + ROWS).decode().encode("utf-16") + b"x", None, "UTF-16"),
         ((HEADER + ROWS).decode().encode("utf-16-be") + b"x", None, "binary"),
         (HEADER + ROWS * 40 + b"\0" * 99, 202, "zero bytes"),

@@ -71,9 +71,10 @@ def test_a_report_shows_film_tracked_and_edited_face(tmp_path: Path) -> None:
     weights = tracked.clip.weights.copy()
     weights[:, ARKIT_INDEX["jawOpen"]] = 0.8
     edited = replace(tracked.clip, weights=weights)
-    picture, mp4 = write_side_by_side(
-        tmp_path / "both.mp4", SideBySide.of_tracked(tracked, edited), rig
-    )
+    mp4 = tmp_path / "both.mp4"
+    mp4.write_text("my only recording")
+    picture, backups = write_side_by_side(mp4, SideBySide.of_tracked(tracked, edited), rig)
+    assert backups == (tmp_path / "both.mp4.bak", None)
     shown = np.asarray(Image.open(picture))
     assert shown.shape == (4 * (HEIGHT + 32) + 32, 3 * HEIGHT, 3)
     plain, changed = (shown[:, k * HEIGHT : (k + 1) * HEIGHT].astype(int) for k in (1, 2))

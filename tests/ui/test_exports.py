@@ -181,9 +181,11 @@ def test_the_take_is_filmed_as_it_is_on_screen(bench: Bench) -> None:
     window = bench.editing()
     add_edit(window)
     path = bench.folder / "face.mp4"
+    path.write_text("my only recording")
     film(bench, window, path, Shot(size=(64, 64), rate=10.0))
     bench.qtbot.waitUntil(lambda: "Exported" in window.status.currentMessage(), timeout=20_000)
     assert f"{path} (H.264" in window.status.currentMessage()
+    assert "; the file that was there is now face.mp4.bak" in window.status.currentMessage()
     assert len(Film(path)) == 30
     assert not window.commands.file.is_filming
     assert not bench.errors

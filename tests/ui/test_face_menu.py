@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtGui import QContextMenuEvent, QGuiApplication
+from PySide6.QtGui import QContextMenuEvent, QGuiApplication, QImage, qRgb
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QToolButton
 from support.faces import shipped_rig
@@ -141,6 +142,15 @@ def test_the_picture_is_saved(
     with Image.open(bench.folder / "face.png") as picture:
         assert picture.size[0] == round(viewport.width() * viewport.devicePixelRatioF())
     assert bench.errors == []
+    (bench.folder / "face.png").write_text("my only recording")
+    shown = QImage(5, 3, QImage.Format.Format_RGB32)  # of a width that Qt pads
+    for x, y in np.ndindex(5, 3):
+        shown.setPixel(x, y, qRgb(40 * x, 90 * y, 7))
+    monkeypatch.setattr(viewport, "picture", lambda: shown)
+    trigger(window, "save_picture")
+    with Image.open(bench.folder / "face.png") as picture:
+        assert all(picture.getpixel((x, y)) == (40 * x, 90 * y, 7) for x, y in np.ndindex(5, 3))
+    assert "; the file that was there is now face.png.bak" in window.status.currentMessage()
 
 
 def test_a_picture_that_cannot_be_written_is_one_line(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from faceedit_app.core.atomic import keep_other, write_atomically
+from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, is_document, read_document, to_text
 from faceedit_app.editing.edits.edit import Edit, edits_from, to_json
@@ -29,9 +29,7 @@ def write_edits(path: Path | str, edits: Iterable[Edit]) -> Path | None:
     """
     lines = ",\n    ".join(to_text(to_json(edit)) for edit in edits)
     text = f'{{\n  "version": {VERSION},\n  "edits": [\n    {lines}\n  ]\n}}\n'
-    backup = keep_other(path, is_edits_file)
-    write_atomically(path, text.encode())
-    return backup
+    return write_keeping(path, text.encode(), is_edits_file)
 
 
 def read_edits(path: Path | str) -> tuple[Edit, ...]:

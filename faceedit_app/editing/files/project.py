@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_other, write_atomically
+from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, is_document, read_document, to_text
 from faceedit_app.editing.edits.edit import edits_from, to_json
@@ -140,9 +140,7 @@ def write_project(path: Path | str, project: Project) -> Path | None:
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
     text = f'{begin[:-2]},\n  "edits": [{edits}\n  ],{end[1:]}\n'
-    backup = keep_other(path, is_project)
-    write_atomically(path, text.encode())
-    return backup
+    return write_keeping(path, text.encode(), is_project)
 
 
 def read_project(path: Path | str) -> Project:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
@@ -79,13 +80,19 @@ class CharacterCommands:
             case answer:
                 return answer is dialogs.Unsaved.DISCARD
 
-    def open(self, path: Path) -> None:
-        """Open a character in the background, and show its checklist."""
+    def open(self, path: Path, saved: str = "") -> None:
+        """Open a character in the background, and show its checklist.
+
+        Args:
+            saved: what to say if it was made and saved just now.
+        """
         preferences = self._workspace.preferences
 
         def opened() -> None:
             preferences.set_folder("character", path.resolve().parent)
             preferences.add_recent_character(path)
+            if saved:
+                self._workspace.message.emit(saved)
             self._offer_checklist()
 
         def failed(problem: str) -> None:
@@ -146,11 +153,11 @@ class CharacterCommands:
         if path is None:
             return
         try:
-            write_rig(path, attempt.made.rig)
+            backup = write_rig(path, attempt.made.rig)
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
             return
-        self.open(path)
+        self.open(path, f"Saved and opened {path}{said_of(backup)}")
 
     # --- closing ---------------------------------------------------------------------------------
 
@@ -223,12 +230,12 @@ class CharacterCommands:
             return False
         path = map_path(character.character.path)
         try:
-            write_map(path, character.mapping)
+            backup = write_map(path, character.mapping)
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
             return False
         self._saved = character.mapping
-        self._workspace.message.emit(f"Saved {path}")
+        self._workspace.message.emit(f"Saved {path}{said_of(backup)}")
         self._refresh()
         return True
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.film_export import FilmExport
@@ -48,7 +49,7 @@ class Exports:
         except FaceEditError as error:
             self._failed(error)
             return False
-        self._done(path, left + places.kept(backup))
+        self._done(path, left + said_of(backup))
         return True
 
     def export_as(self) -> None:
@@ -92,7 +93,7 @@ class Exports:
         def done(written: Exported) -> None:
             if document.session is session:
                 document.note_export(path, state)
-            self._done(path, left + places.kept(written.backup))
+            self._done(path, left + said_of(written.backup))
             lines = [*written.said("View > Follow the head"), *form.hints(written.clip.rate)]
             dialogs.show_exported(self._workspace.window, path, lines)
 

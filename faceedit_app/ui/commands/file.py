@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core import on_disk
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
@@ -274,7 +275,7 @@ class FileCommands:
             self._show_error(error)
             return False
         self._preferences.set_folder(kind, path.resolve().parent)
-        self._workspace.message.emit(f"{done} {path}{left}{places.kept(backup)}")
+        self._workspace.message.emit(f"{done} {path}{left}{said_of(backup)}")
         return True
 
     # --- close -------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
@@ -82,7 +83,8 @@ class FilmExport:
             self._workspace.message.emit("Film cancelled; nothing was written")
             return
         self._workspace.preferences.set_folder("export", filmed.path.resolve().parent)
-        self._workspace.message.emit(f"Exported {filmed.path} ({filmed.codecs}){left}")
+        kept = said_of(filmed.backup)
+        self._workspace.message.emit(f"Exported {filmed.path} ({filmed.codecs}){left}{kept}")
 
     def _report(self, error: Exception) -> None:
         self._workspace.message.emit("")

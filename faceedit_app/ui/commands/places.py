@@ -80,8 +80,3 @@ def ask_where(
         else:
             return path
     return None
-
-
-def kept(backup: Path | None) -> str:
-    """What to add to the message about a file, if another one that was there was kept."""
-    return "" if backup is None else f"; the file that was there is now {backup.name}"

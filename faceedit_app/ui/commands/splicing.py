@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
@@ -122,7 +123,8 @@ class SpliceCommands:
     def _offer(self, written: Written, wanted: Splice, words: Transcript | None) -> None:
         """Say what was written, and offer to open it."""
         self._workspace.preferences.set_folder("export", written.path.resolve().parent)
-        text = " ".join(map(sentence, (f"Wrote {written.names}", *written.remarks)))
+        wrote = f"Wrote {written.names}{said_of(written.backup, *written.backups)}"
+        text = " ".join(map(sentence, (wrote, *written.remarks)))
         self._workspace.message.emit(text)
 
         def open_it() -> None:

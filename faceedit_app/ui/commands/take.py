@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.take import Take
@@ -154,7 +155,7 @@ class TakeCommands:
 
         film, take, edited = placed, session.take, with_fills(session)
 
-        def work(advance: Advance, stopped: IsStopped) -> tuple[Path, Path]:
+        def work(advance: Advance, stopped: IsStopped) -> tuple[Path, tuple[Path | None, ...]]:
             from faceedit_app.media.film import Film
             from faceedit_app.tracking.side_by_side import (
                 SideBySide,
@@ -167,8 +168,10 @@ class TakeCommands:
                 shown = SideBySide.of_take(opened, stored, take.clip, edited, film.offset)
             return write_side_by_side(output, shown, rig, advance, stopped)
 
-        def done(written: tuple[Path, Path]) -> None:
-            self._workspace.message.emit(f"Wrote {written[1]} and {written[0].name}")
+        def done(written: tuple[Path, tuple[Path | None, ...]]) -> None:
+            picture, backups = written
+            text = f"Wrote {output} and {picture.name}{said_of(*backups)}"
+            self._workspace.message.emit(text)
 
         def failed(error: Exception) -> None:
             dialogs.report_failure(self._workspace.window, error)

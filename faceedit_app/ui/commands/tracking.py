@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import check_writable, keep_inputs
+from faceedit_app.core.atomic import check_writable, keep_inputs, said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
@@ -52,6 +52,7 @@ class FilmTracking:
         self._face_before: Chosen | None = None  # what was followed before the last choice
         self._again = False  # another face was chosen: begin again
         self._written: Callable[[], None] = lambda: None
+        self._kept: tuple[Path | None, ...] = ()  # copies of files of other kinds
         self.dialog = TrackingDialog(workspace.window, film)
         self.dialog.face_chosen.connect(self._choose)
 
@@ -86,8 +87,7 @@ class FilmTracking:
                 face,
                 choose=dialog.ask_face,
             )
-            write_take(tracked, self._take)
-            write_landmarks(tracked, self._take)
+            self._kept = write_take(tracked, self._take), write_landmarks(tracked, self._take)
             return tracked
 
         self._workspace.background.run(work, self._done, self._ended)
@@ -143,6 +143,7 @@ class FilmTracking:
             for note in tracked.notes:
                 workspace.warning.emit(sentence(note))
             frames = int(tracked.sure.sum())
-            workspace.message.emit(f"Tracked {frames} frames of {film.name}: {self._take}")
+            text = f"Tracked {frames} frames of {film.name}: {self._take}{said_of(*self._kept)}"
+            workspace.message.emit(text)
 
         workspace.opener.open(self._take, prepare, opened)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QBuffer, QByteArray, QIODevice
+import numpy as np
 from PySide6.QtGui import QGuiApplication, QImage
 from PySide6.QtWidgets import QMainWindow
 
-from faceedit_app.core.atomic import PNG, begins_with, keep_other, write_atomically
+from faceedit_app.core.arrays import Pixels
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import OPTIONAL_LABEL
@@ -162,6 +163,8 @@ class ViewCommands:
 
     def save_picture(self) -> None:
         """Save the picture of the face, as shown."""
+        from faceedit_app.render.snapshot import write_png
+
         workspace, frame = self._workspace, self._timeline.frame + 1
         picture = self._picture()
         if picture is None:
@@ -171,13 +174,12 @@ class ViewCommands:
         if path is None:
             return
         try:
-            backup = keep_other(path, begins_with(PNG))
-            write_atomically(path, _png(picture))
+            backup = write_png(path, _pixels(picture))
         except FaceEditError as error:
             dialogs.show_error(workspace.window, error)
             return
         workspace.preferences.set_folder("picture", path.resolve().parent)
-        workspace.message.emit(f"Saved {path}{places.kept(backup)}")
+        workspace.message.emit(f"Saved {path}{said_of(backup)}")
 
     def _picture(self) -> QImage | None:
         return self.face.viewport.picture() if self.face is not None else None
@@ -289,12 +291,12 @@ class ViewCommands:
             self.face.viewport.setFocus()
 
 
-def _png(picture: QImage) -> bytes:
-    data = QByteArray()
-    buffer = QBuffer(data)
-    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    picture.save(buffer, "PNG")  # type: ignore[call-overload]  # PySide's hints ask for bytes
-    return bytes(data.data())
+def _pixels(picture: QImage) -> Pixels:
+    """A picture as (H, W, 3) uint8, RGB."""
+    image = picture.convertToFormat(QImage.Format.Format_RGB888)
+    width, height = image.width(), image.height()
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(height, image.bytesPerLine())
+    return np.ascontiguousarray(rows[:, : 3 * width]).reshape(height, width, 3)
 
 
 def _shows_edited(do: ViewCommands) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import dialogs, places
@@ -109,7 +110,7 @@ class WordCommands:
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
             return
-        self._workspace.message.emit(f"Wrote {path.name}{places.kept(backup)}")
+        self._workspace.message.emit(f"Wrote {path.name}{said_of(backup)}")
 
     def find(self) -> None:
         """Go to the field to search a word."""
