@@ -17,7 +17,8 @@ from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.steps import EditState, Steps
 from faceedit_app.words.transcript import Transcript
 
-EDITS, MEDIA, WORDS = "edits", "sound and film", "words"  # what a project holds of a take
+# What a project holds of a take.
+EDITS, MEDIA, WORDS, RATE = "edits", "sound and film", "words", "frame rate"
 
 
 class EditHistory(ABC):
@@ -30,15 +31,19 @@ class EditHistory(ABC):
         previewed(): a gesture has changed what is shown.
         changed(): the kept state is shown, after a commit, cancel, undo or redo.
         stepped(EditState): the kept state has changed; sent before `changed`, for the journal.
+
+    Args:
+        rate: the take's frame rate, if its file does not say it or is not believed: `Take.fps`.
     """
 
     previewed = Signal()
     changed = Signal()
     stepped = Signal(EditState)
 
-    def __init__(self) -> None:
-        self._steps = Steps()
-        self._saved = self._steps.state
+    def __init__(self, rate: float | None = None) -> None:
+        self._rate = rate
+        self._steps = Steps(rate)
+        self._saved, self._saved_rate = self._steps.state, rate
 
     @abstractmethod
     def _show(self, state: EditState) -> None:
@@ -73,7 +78,7 @@ class EditHistory(ABC):
 
     @property
     def unsaved(self) -> tuple[str, ...]:
-        """What has changed since it was saved: `EDITS`, with their settings, `MEDIA` and `WORDS`.
+        """What has changed since it was saved: `EDITS`, with their settings, `MEDIA` and so on.
 
         Without edits there is nothing that the settings could answer, so they can wait.
         """
@@ -84,12 +89,13 @@ class EditHistory(ABC):
             or (settings_count and state.settings != saved.settings),
             MEDIA: state.media != saved.media,
             WORDS: state.words != saved.words,
+            RATE: self._rate != self._saved_rate,
         }
         return tuple(part for part, has_changed in changed.items() if has_changed)
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""
-        self._saved = self.state
+        self._saved, self._saved_rate = self.state, self._rate
         self._steps.seal()  # so that Undo can return to what is in the file
 
     # --- gestures ----------------------------------------------------------------------------
@@ -180,14 +186,12 @@ class EditHistory(ABC):
         return self._steps.undone[-1].name if self.can_redo else ""
 
     def undo(self) -> None:
-        """Undo the last step, and drop the preview."""
-        if self._steps.undo():
-            self._arrive()
+        """Undo the last step, and drop the preview; raises as `travel`."""
+        self.travel(-1)
 
     def redo(self) -> None:
-        """Redo the step that was undone last, and drop the preview."""
-        if self._steps.redo():
-            self._arrive()
+        """Redo the step that was undone last, and drop the preview; raises as `travel`."""
+        self.travel(1)
 
     @property
     def history(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -196,13 +200,24 @@ class EditHistory(ABC):
         return tuple(step.name for step in done), tuple(step.name for step in reversed(undone))
 
     def travel(self, steps: int) -> None:
-        """Redo some steps, or undo as many if below 0, and drop the preview."""
+        """Redo some steps, or undo as many if below 0, and drop the preview.
+
+        Raises:
+            ValueError: the take has another frame rate there, at which it must be opened first:
+                see `rate_after` and `arrive_from`.
+        """
+        if self._steps.rate_after(steps) != self._rate:
+            raise ValueError("the take has another frame rate there")
         move = self._steps.redo if steps > 0 else self._steps.undo
         moved = 0
         while moved < abs(steps) and move():
             moved += 1
         if moved:
             self._arrive()
+
+    def rate_after(self, steps: int) -> float | None:
+        """The take's frame rate, as `Take.fps`, after `travel`."""
+        return self._steps.rate_after(steps)
 
     # --- one click, one step; by default it is named after the edits that it adds ------------
 
@@ -279,22 +294,43 @@ class EditHistory(ABC):
         """Go to another state, such as one from a file, as one step."""
         self._change(state, name)
 
+    def recover(self, state: EditState) -> None:
+        """Go to the state of a session that crashed; a frame rate that was given is not saved."""
+        self._saved_rate = None
+        self.restore(state)
+
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
         self._arrive(is_step=False)
 
     def continue_from(
-        self, other: EditHistory, change: Callable[[EditState], EditState] = lambda state: state
+        self, other: EditHistory, name: str, change: Callable[[EditState], EditState]
     ) -> None:
-        """Go on with the history of another session, such as that of the take at another rate.
+        """Go on with the history of the take at another frame rate: this one's is its next step.
 
         Args:
-            other: the session; it must not be used afterwards.
-            change: what becomes of each of its states.
+            other: the session of the take at that rate.
+            name: of the step.
+            change: what becomes of the present state.
         """
-        self._steps.continue_from(other._steps, change)
-        self._arrive(is_step=False)
+        self._take_over(other)
+        self._steps.change_rate(name, self._rate, change(other.state))
+        self._arrive()
+
+    def arrive_from(self, other: EditHistory, steps: int) -> None:
+        """Go on with the history of the take at another frame rate: `travel` from there to here.
+
+        Args:
+            other: the session of the take at that rate.
+            steps: as of `travel`.
+        """
+        self._take_over(other)
+        self.travel(steps)
+
+    def _take_over(self, other: EditHistory) -> None:
+        self._steps.continue_from(other._steps)
+        self._saved, self._saved_rate = other._saved, other._saved_rate
 
     def _with_media(self, media: Placement) -> EditState:
         words = self.state.words

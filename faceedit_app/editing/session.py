@@ -65,7 +65,7 @@ class EditSession(EditHistory):
     exporting = Signal(Fingerprint)
 
     def __init__(self, take: Take, rig: Rig, engine: Engine | None = None) -> None:
-        super().__init__()
+        super().__init__(take.fps)
         self.take, self.rig = take, rig
         self.exported_over: Fingerprint | None = None
         self.shown_rig = rig

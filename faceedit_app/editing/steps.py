@@ -6,7 +6,7 @@ one as a step or cancels it. Callers say where a gesture ends; nothing is guesse
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 
 from faceedit_app.editing.edits.edit import Edit
@@ -40,11 +40,14 @@ class Step:
     Attributes:
         name: shown after Undo and Redo, such as "Smile".
         before, after: the states before and after it.
+        rates: the frame rates before and after it, as `Take.fps`, if it changed that. Times in
+            the states on either side of it are then those of the take at the rate of that side.
     """
 
     name: str
     before: EditState
     after: EditState
+    rates: tuple[float | None, float | None] | None = None
 
 
 class Steps:
@@ -55,10 +58,11 @@ class Steps:
         preview: the state that the gesture in progress shows instead; None between gestures.
         done: the steps that lead to `state`, oldest first; Undo takes back the last one.
         undone: the steps that were undone; Redo repeats the last one.
+        rate: the frame rate of the take to which `state` belongs, as `Take.fps`.
     """
 
-    def __init__(self) -> None:
-        self.state = EditState()
+    def __init__(self, rate: float | None = None) -> None:
+        self.state, self.rate = EditState(), rate
         self.preview: EditState | None = None
         self.done: list[Step] = []
         self.undone: list[Step] = []
@@ -136,6 +140,8 @@ class Steps:
             return False
         step = self.done.pop()
         self.undone.append(step)
+        if step.rates is not None:
+            self.rate = step.rates[0]
         self._go_to(step.before)
         return True
 
@@ -145,28 +151,41 @@ class Steps:
             return False
         step = self.undone.pop()
         self.done.append(step)
+        if step.rates is not None:
+            self.rate = step.rates[1]
         self._go_to(step.after)
         return True
+
+    def rate_after(self, count: int) -> float | None:
+        """The frame rate after redoing some steps, or undoing as many if below 0."""
+        rate, forward = self.rate, count > 0
+        steps = self.undone if forward else self.done
+        for step in list(reversed(steps))[: abs(count)]:
+            if step.rates is not None:
+                rate = step.rates[forward]
+        return rate
 
     def begin_with(self, state: EditState) -> None:
         """Start from a state, with an empty history."""
         self.done, self.undone = [], []
         self._go_to(state)
 
-    def continue_from(self, other: Steps, change: Callable[[EditState], EditState]) -> None:
-        """Take over another history, each of its states changed in the same way."""
-        states: dict[int, EditState] = {}  # most are the end of one step and the start of another
+    def continue_from(self, other: Steps) -> None:
+        """Take over another history."""
+        self.done, self.undone, self.rate = [*other.done], [*other.undone], other.rate
+        self._go_to(other.state)
 
-        def changed(state: EditState) -> EditState:
-            if id(state) not in states:
-                states[id(state)] = change(state)
-            return states[id(state)]
+    def change_rate(self, name: str, rate: float | None, state: EditState) -> None:
+        """Add a step that changes the take's frame rate.
 
-        def mapped(steps: list[Step]) -> list[Step]:
-            return [Step(one.name, changed(one.before), changed(one.after)) for one in steps]
-
-        self.done, self.undone = mapped(other.done), mapped(other.undone)
-        self._go_to(changed(other.state))
+        Args:
+            rate: the new one, as `Take.fps`.
+            state: the present state in times of the take at that rate.
+        """
+        self.undone = []
+        self.done.append(Step(name, self.state, state, (self.rate, rate)))
+        self.rate = rate
+        self._go_to(state)
 
     def _go_to(self, state: EditState) -> None:
         self.state, self.preview = state, None

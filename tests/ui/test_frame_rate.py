@@ -9,13 +9,24 @@ from pathlib import Path
 import pytest
 from PySide6.QtWidgets import QWidget
 from support import recordings
-from support.windows import Bench, add_edit, bench, drop, open_path, session_of, trigger
+from support.windows import (
+    Bench,
+    add_edit,
+    bench,
+    drop,
+    open_path,
+    session_of,
+    trigger,
+    trigger_enabled,
+)
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.project import read_project
+from faceedit_app.editing.history import RATE
 from faceedit_app.ui.commands import dialogs, file_kinds
+from faceedit_app.ui.commands.unsaved import question_about
 from faceedit_app.ui.start.window import MainWindow
 
 __all__ = ["bench"]
@@ -104,28 +115,74 @@ def test_who_gives_no_rate_keeps_the_open_take(
     assert not window.workspace.opener.is_reading
 
 
-def test_the_rate_can_be_changed_and_edits_stay_on_their_frames(
+def test_another_rate_is_a_step_and_edits_stay_on_their_frames(
     bench: Bench, answered: Callable[[float | None], Asked]
 ) -> None:
     window = bench.editing()
     add_edit(window)
     session = session_of(window)
-    session.add(session.edits[0], name="Again")
-    session.undo()
+    window.timeline.go_to_frame(50)
     asked = answered(30.0)
     trigger(window, "frame_rate")
-    bench.qtbot.waitUntil(lambda: session_of(window) is not session)
     assert asked.questions[0][1:] == (180, 60.0)
     again = session_of(window)
     assert (again.take.clip.rate, again.take.fps) == (30, 30)
     assert [(edit.start, edit.end) for edit in again.edits] == [(2.0, pytest.approx(2.8))]
     assert window.isWindowModified()
-    assert again.history == session.history  # of all steps, on their frames
-    again.redo()
-    assert [edit.start for edit in again.edits] == [2.0, 2.0]
-    again.travel(-2)
-    assert again.edits == ()
-    assert "choose 60 fps again" in window.statusBar().currentMessage()
+    assert window.timeline.frame == 50
+    assert "Undo takes that back" in window.statusBar().currentMessage()
+    names = (*session.history[0], "Frame rate 30 fps")
+    assert again.history == (names, ())
+    add_edit(window, 5.0)
+    trigger_enabled(window, "undo", "undo")
+    assert "Undid: Frame rate 30 fps" in window.statusBar().currentMessage()
+    assert session_of(window).take.fps is None
+    assert session_of(window).edits == session.edits, "to the bit"
+    trigger_enabled(window, "redo", "redo")
+    assert session_of(window).take.clip.rate == 30
+    assert [edit.start for edit in session_of(window).edits] == [2.0, 1.0]
+    window.commands.edit.travel(-3)
+    assert session_of(window).edits == ()
+    assert session_of(window).take.clip.rate == 60
+    assert session_of(window).is_saved
+
+
+def test_a_rate_alone_is_not_lost_without_a_word(
+    bench: Bench, answered: Callable[[float | None], Asked]
+) -> None:
+    window = bench.editing()
+    bench.answers |= {
+        "save_project": bench.folder / "scene.faceedit",
+        "unsaved": dialogs.Unsaved.CANCEL,
+    }
+    answered(48.0)
+    trigger(window, "frame_rate")
+    assert question_about(window.document) == (
+        "The frame rate that you gave take.csv is not saved in a project.",
+        "If you discard it, the take opens as before.",
+    )
+    assert not window.close()
+    trigger(window, "save")
+    assert session_of(window).is_saved
+    assert read_project(bench.folder / "scene.faceedit").fps == 48
+    trigger(window, "undo")
+    assert window.isWindowModified()
+    assert session_of(window).unsaved == (RATE,)
+
+
+def test_a_rate_whose_take_was_replaced_meanwhile_stays_and_the_window_says_why(
+    bench: Bench, answered: Callable[[float | None], Asked]
+) -> None:
+    window = bench.editing()
+    answered(48.0)
+    trigger(window, "frame_rate")
+    session = session_of(window)
+    bench.take.write_bytes(bench.take.read_bytes() + b"\n")
+    trigger(window, "undo")
+    assert session_of(window) is session
+    assert session.undo_name == "Frame rate 48 fps"
+    assert "take.csv has been replaced since it was opened" in window.banner.text.text()
+    assert "Undid" not in window.statusBar().currentMessage()
 
 
 def test_the_length_at_another_rate_counts_the_gaps_of_the_take(

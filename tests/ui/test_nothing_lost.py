@@ -15,6 +15,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import pending_journals
+from faceedit_app.editing.history import RATE
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
@@ -299,6 +300,18 @@ def test_a_preview_of_an_open_dialog_is_not_exported(bench: Bench) -> None:
     trigger(window, "export")
     assert exported.read_bytes() == wanted
     assert not session_of(window).is_previewing
+
+
+def test_a_frame_rate_alone_survives_a_crash(
+    bench: Bench, crash: Crash, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = bench.editing()
+    monkeypatch.setattr(dialogs, "ask_rate", lambda *_: 50.0)
+    trigger(window, "frame_rate")
+    crash.kill(window)
+    window = crash.start_again()
+    assert session_of(window).take.clip.rate == 50
+    assert session_of(window).unsaved == (RATE,), "and another one"
 
 
 @pytest.mark.parametrize("way", ["a crash", "another frame rate"])

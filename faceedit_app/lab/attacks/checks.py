@@ -82,10 +82,10 @@ def wrong_when_undone(
     Args:
         undone: called after each step.
     """
-    session = session_of(window)
-    while session.can_undo:
-        session.undo()
+    while session_of(window).can_undo:
+        window.document.undo()
         undone()
+    session = session_of(window)
     exported = folder / f"undone{session.take.path.suffix}"
     window.document.export(exported)
     if exported.read_bytes() != session.take.path.read_bytes():

@@ -69,17 +69,25 @@ class EditCommands:
         """Undo the last step, or cancel the drag in progress."""
         if not self._workspace.cancel_gesture():
             self._workspace.commit_gestures()
-            name = self.undo_name
+            name, where = self.undo_name, self._place
             self._document.undo()
-            self._say("Undid", name)
+            if self._place != where:  # a take that is gone cannot be opened at another rate
+                self._say("Undid", name)
 
     def redo(self) -> None:
         """Redo the step that was undone last."""
         if not self._workspace.cancel_gesture():
             self._workspace.commit_gestures()
-            name = self.redo_name
+            name, where = self.redo_name, self._place
             self._document.redo()
-            self._say("Redid", name)
+            if self._place != where:
+                self._say("Redid", name)
+
+    @property
+    def _place(self) -> tuple[int, ...]:
+        """How many steps can be undone and redone."""
+        session = self._document.session
+        return () if session is None else tuple(map(len, session.history))
 
     def _say(self, done: str, name: str) -> None:
         """Say what was done to a step, in place of what was said when it was made."""
@@ -116,8 +124,10 @@ class EditCommands:
         """Redo some steps, or undo as many if below 0."""
         self._workspace.cancel_gesture()
         self._workspace.commit_gestures()
-        self._document.act(lambda session: session.travel(steps))
-        self._say("Back to" if steps < 0 else "Forward to", self.undo_name or "As opened")
+        where = self._place
+        self._document.travel(steps)
+        if self._place != where:
+            self._say("Back to" if steps < 0 else "Forward to", self.undo_name or "As opened")
 
     @property
     def has_edits(self) -> bool:

@@ -207,7 +207,7 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: st
     """Open a take with the edits of a session that crashed; `note` is as for `_open_take`."""
 
     def prepare(session: EditSession) -> None:
-        session.restore(pending.state)
+        session.recover(pending.state)
         if take == pending.take:
             session.exported_over = pending.exported_over
 

@@ -4,26 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from faceedit_app.core.atomic import said_of
 from faceedit_app.editing.edits.media import Placement
-from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
-from faceedit_app.formats.timing import RateNeeded, format_rate
+from faceedit_app.formats.timing import RateNeeded
 from faceedit_app.ui.commands import dialogs, places
+from faceedit_app.ui.commands.frame_rate import FrameRate
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.commands.writing import Advance, IsStopped, Writing
 from faceedit_app.ui.state.actions import Command, Menu
-
-if TYPE_CHECKING:  # the window is there before the solver
-    from faceedit_app.editing.session import EditSession
-    from faceedit_app.editing.steps import EditState
 
 
 class TakeCommands:
@@ -33,11 +27,10 @@ class TakeCommands:
         self._workspace, self._media = workspace, workspace.media
         self.words = WordCommands(workspace)
         self.retime = RetimeCommands(workspace)
+        self.rate = FrameRate(workspace)
         self._side_by_side = Writing(workspace, "Export side by side")
         self._dropped: list[Path] = []  # to be added once the take dropped with them is open
         workspace.opener.rate_needed.connect(self._ask_needed_rate)
-
-    # --- frame rate ----------------------------------------------------------------------------
 
     def _ask_needed_rate(self, needed: RateNeeded, open_at: Callable[..., None]) -> None:
         """Ask for the rate of a take that cannot be opened without one."""
@@ -48,43 +41,6 @@ class TakeCommands:
             open_at(fps=chosen)
             return
         self._dropped = []
-
-    def change_rate(self) -> None:
-        """Change the take's frame rate; its edits stay on their frames."""
-        self._workspace.end_gestures()
-        session = self._workspace.session
-        if session is None:
-            return
-        clip, take = session.take.clip, session.take
-        if self._workspace.document.was_changed(take.path) or session.exported_over is not None:
-            self._workspace.warning.emit(
-                f"{take.path.name} has been replaced since it was opened, so its frame rate cannot "
-                "be changed now: save the project and open the take as it was"
-            )
-            return
-        question = f"What is the frame rate of {take.path.name}?"
-        frames = round(clip.duration * clip.rate)  # with those of gaps, which last longer as well
-        rate = dialogs.ask_rate(self._workspace.window, question, frames, clip.rate)
-        if rate is None or rate == clip.rate:
-            return
-        factor = clip.rate / rate
-
-        def on_same_frames(state: EditState) -> EditState:
-            return replace(state, edits=tuple(retimed(edit, factor) for edit in state.edits))
-
-        def prepare(again: EditSession) -> None:
-            again.continue_from(session, on_same_frames)
-
-        project = self._workspace.document.project_file
-        before, now = format_rate(clip.rate), format_rate(rate)
-
-        def say() -> None:
-            self._workspace.message.emit(
-                f"The take has {now} now, and Undo and Redo its edits as before; to take the rate "
-                f"back, choose {before} again"
-            )
-
-        self._workspace.opener.open(take.path, prepare, say, project=project, fps=rate)
 
     # --- sound and film ------------------------------------------------------------------------
 
@@ -212,7 +168,7 @@ class TakeCommands:
 
 # fmt: off
 MENU: Menu[TakeCommands] = Menu("&Take", (
-    Command("frame_rate", "&Frame rate…", TakeCommands.change_rate, (),
+    Command("frame_rate", "&Frame rate…", lambda do: do.rate.change(), (),
             "Set the take's frame rate, if the file does not give it or gives a wrong one"),
     Command("add_media", "&Add sound or film…", TakeCommands.ask_add, ("Ctrl+Shift+O",),
             "Add sound or film to the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),

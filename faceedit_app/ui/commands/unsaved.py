@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from faceedit_app.editing.history import EDITS, MEDIA, WORDS
+from faceedit_app.core.texts import listed
+from faceedit_app.editing.history import EDITS, MEDIA, RATE, WORDS
 from faceedit_app.ui.state.document import Document
 
-_ONE = {EDITS: "edits to", WORDS: "words of", MEDIA: "sound and film of"}
+_ONE = {EDITS: "edits to", WORDS: "words of", RATE: "frame rate of", MEDIA: "sound and film of"}
 
 
 def question_about(document: Document, left_out: bool = False) -> tuple[str, str]:
@@ -25,10 +26,13 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
         message = f"Your latest changes to {name} are not saved in {project.name}."
         save = "save the project"
     else:
-        what = _ONE[parts[0]] if len(parts) == 1 else f"{' and '.join(parts)} of"
+        what = _ONE[parts[0]] if len(parts) == 1 else f"{listed(parts)} of"
         message = f"Your {what} {name} are not saved in a project."
         save = "save them in a project"
     more = "If you discard them, they are lost."
+    if parts == (RATE,):
+        message = f"The frame rate that you gave {name} is not saved in a project."
+        more = "If you discard it, the take opens as before."
     if EDITS in parts and exported is not None:
         if document.export_is_current:
             more = (

@@ -43,6 +43,8 @@ class Document(QObject):
         changed(): edits, settings, media or model changed, or a gesture was cancelled.
         saved(): the project was saved.
         character_changed(): another character is shown.
+        rate_wanted(object, int): these steps, as of `travel`, lead to another frame rate, as
+            `Take.fps`; who opens the take at that rate takes them.
         engine_settled(): the engine has been loaded, or cannot be.
     """
 
@@ -52,6 +54,7 @@ class Document(QObject):
     saved = Signal()
     engine_settled = Signal()
     character_changed = Signal()
+    rate_wanted = Signal(object, int)
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -185,11 +188,22 @@ class Document(QObject):
 
     def undo(self) -> None:
         """Undo the last step."""
-        self.act(lambda session: session.undo())
+        self.travel(-1)
 
     def redo(self) -> None:
         """Redo the step that was undone last."""
-        self.act(lambda session: session.redo())
+        self.travel(1)
+
+    def travel(self, steps: int) -> None:
+        """Redo some steps, or undo as many if below 0."""
+        session = self.session
+        if session is None:
+            return
+        rate = session.rate_after(steps)
+        if rate == session.take.fps:
+            session.travel(steps)
+        else:
+            self.rate_wanted.emit(rate, steps)
 
     # --- files ---------------------------------------------------------------------------------
 
