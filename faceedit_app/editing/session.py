@@ -80,9 +80,14 @@ class EditSession(EditHistory):
     # --- what answers the edits --------------------------------------------------------------
 
     @property
+    def engine(self) -> Engine | None:
+        """What answers the edits; None = the rig alone does."""
+        return self._solver.engine
+
+    @property
     def has_engine(self) -> bool:
         """Whether an engine answers the edits."""
-        return self._solver.engine is not None
+        return self.engine is not None
 
     @property
     def closed(self) -> float:

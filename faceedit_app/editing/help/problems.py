@@ -92,12 +92,16 @@ class Problem:
         return "" if self.fix else self.instead or "edits cannot help here"
 
     def is_as(self, other: Problem) -> bool:
-        """Whether another search found the same fault: of its kind, in its curves, at its time."""
+        """Whether another search found the same fault: of its kind, in its curves, at its time.
+
+        A gap is the same whichever curves jump across it.
+        """
+        same_curves = self.controls == other.controls or {*self.controls} & {*other.controls}
         return (
             self.kind is other.kind
             and self.start <= other.end
             and other.start <= self.end
-            and (self.controls == other.controls or bool({*self.controls} & {*other.controls}))
+            and (bool(same_curves) or self.kind is Kind.DROPPED)
         )
 
 

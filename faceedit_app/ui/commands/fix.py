@@ -200,9 +200,11 @@ class FixCommands:
             self._workspace.end_gestures()
             said = f"{problem.message[:1].lower()}{problem.message[1:]}"
             seen = seen_later(session.take, problem.fix)
-            message = f"{seen or 'Fix shown'}. The problem: {said}."
+            made = page.problem_list.model.made_by(problem)
+            but = f" The fix {made}." if made else ""
+            message = f"{seen or 'Fix shown'}. The problem: {said}.{but}"
             found = variations_of(problem.fix)
-            short = seen or problem.message
+            short = seen or (f"The fix {made}" if made else problem.message)
             page.proposal.offer(
                 message, problem.fix, "Fix problem", problem, short=short, variations=found
             )
@@ -214,13 +216,14 @@ class FixCommands:
             return
         self._workspace.end_gestures()
         page.list_problems()
+        page.problem_list.trials.begin()
         chosen = page.problem_list.chosen
         edits = tuple(edit for problem in chosen for edit in problem.fix)
         if edits:
             count = counted(len(chosen), "problem")
-            text = f"Fixes for {count} are shown; untick those that you do not want."
-            short = "Untick those that you do not want"
-            page.proposal.offer(text, edits, f"Fix {count}", short=short)
+            text = f"Fixes for {count} are shown; {page.problem_list.advice}."
+            name, short = f"Fix {count}", "Untick those that you do not want"
+            page.proposal.offer(text, edits, name, short=short)
 
     @property
     def can_fix_all(self) -> bool:

@@ -261,4 +261,5 @@ class Workspace(QObject):
         self.background.close()
         self.document.close_journal()
         if self.page is not None:
+            self.page.trials.close()
             self.page.face.viewport.close_renderer()

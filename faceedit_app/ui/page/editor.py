@@ -27,6 +27,7 @@ from faceedit_app.ui.page.channels_panel import ChannelsPanel
 from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.expressions import Expressions
 from faceedit_app.ui.page.first_steps import Card, HintLayer
+from faceedit_app.ui.page.fix_trials import FixTrials
 from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
@@ -81,7 +82,8 @@ class Editor(QWidget):
         self.film = FilmPane(media, timeline)
         self.face = FacePane(actions, document, timeline)
         self.edits = EditsPanel(actions, document, timeline)
-        self.problem_list = ProblemsList(actions, self.problems, timeline)
+        self.trials = FixTrials(document, self.problems)
+        self.problem_list = ProblemsList(actions, self.problems, timeline, self.trials)
         self.expressions = Expressions(actions, document, self.face.viewport)
         self.channels: ChannelsPanel | None = None  # once it has been opened
         self.lists = QTabWidget()
@@ -158,7 +160,8 @@ class Editor(QWidget):
         self.problems.found.connect(actions.refresh)
         self.proposal.toggled.connect(actions.refresh)
         self.problem_list.ticked.connect(actions.refresh)
-        self.problem_list.ticked.connect(lambda: self._propose_ticked(actions))
+        for news in (self.problem_list.ticked, self.trials.tried):
+            news.connect(lambda: self._propose_ticked(actions))
         for changed in (document.changed, document.opened, self.problems.found):
             changed.connect(self._name_tabs)
         for changed in (self.face.switched, self.film.screen_.shaped):
@@ -330,6 +333,8 @@ class Editor(QWidget):
 
     def _previewed(self) -> None:
         """Start on the face first: it is drawn while the curves are painted."""
+        if not self.proposal.is_open:
+            self.trials.stop()  # what the hand does comes first
         is_dragging = self.curves.is_dragging
         if is_dragging:  # also an edge of the selection
             self._playback.pause()

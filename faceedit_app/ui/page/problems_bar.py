@@ -63,6 +63,20 @@ ONE = {
     "unsure": "Hidden face",
 }
 
+_LEFT = {  # by a fix that makes such a problem
+    "lips": "leaves the lips {} open",
+    "blink": "leaves a blink {}",
+    "jitter": "makes shaking {}",
+    "character": "leaves {} open on your character",
+    "dropped": "leaves {} lost",
+    "unsure": "leaves the tracker {}",
+}
+
+
+def words_for_made(problem: Problem, when: str) -> str:
+    """What a fix does that makes a problem: "makes shaking 2.1 mm at 7.300 s"."""
+    return f"{_LEFT[problem.kind].format(problem.amount)} at {when}"
+
 
 class ProblemsBar(QWidget):
     """A mark for each problem; a click goes to it.

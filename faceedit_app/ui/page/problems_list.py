@@ -11,7 +11,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QFocusEvent, QKeyEvent
+from PySide6.QtGui import QFocusEvent, QKeyEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
@@ -27,6 +27,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.editing.help.problems import Problem
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Choice, caption, context_menu, icon_button
+from faceedit_app.ui.page.fix_trials import FixTrials
 from faceedit_app.ui.page.problems_bar import NAMES, ProblemsBar
 from faceedit_app.ui.page.problems_model import AMOUNT, KIND, TIME, ProblemsModel
 from faceedit_app.ui.state.actions import Actions
@@ -81,7 +82,8 @@ class ProblemsList(QWidget):
 
     Its tick says whether to fix it with the others.
 
-    Ticks are kept when the take is searched again.
+    Ticks are kept when the take is searched again. While the list is seen, the fixes are tried, and
+    what they would make is shown.
 
     Signals:
         ticked(): another set of problems is ticked.
@@ -89,9 +91,12 @@ class ProblemsList(QWidget):
 
     ticked = Signal()
 
-    def __init__(self, actions: Actions, bar: ProblemsBar, timeline: Timeline) -> None:
+    def __init__(
+        self, actions: Actions, bar: ProblemsBar, timeline: Timeline, trials: FixTrials
+    ) -> None:
         super().__init__()
         self._actions, self._bar, self._timeline = actions, bar, timeline
+        self.trials = trials
         self.kinds = Choice()
         self.kinds.setToolTip("Show problems of one kind only")
         self.model = ProblemsModel(self._shown_time, self)
@@ -106,6 +111,7 @@ class ProblemsList(QWidget):
         self.rows.stepped.connect(self._go)
         self.rows.customContextMenuRequested.connect(self._show_menu)
         bar.found.connect(self.sync)
+        trials.tried.connect(self.model.show_brought)
         timeline.display.changed.connect(self._fill)
         self._shown: tuple[Problem, ...] | None = None
         self.sync()
@@ -151,6 +157,17 @@ class ProblemsList(QWidget):
         """The ticked problems that can be fixed, of the kind that is shown."""
         return self.model.chosen
 
+    @property
+    def advice(self) -> str:
+        """What to do with the ticks, for a proposal to fix all that are ticked."""
+        if self.trials.is_trying:
+            return "trying whether they make other problems…"
+        left_out = len(self.model.left_out)
+        if not left_out:
+            return "untick those that you do not want"
+        count = "one more that would make" if left_out == 1 else f"{left_out} more that would make"
+        return f"{count} another problem {'is' if left_out == 1 else 'are'} not ticked"
+
     def _shown_time(self, seconds: float) -> str:
         clip = self._timeline.clip
         return shown_time(clip, seconds, self._timeline.display.unit) if clip is not None else ""
@@ -163,6 +180,13 @@ class ProblemsList(QWidget):
             self._fill()
         self._say_why_empty()
         self._select_current()
+        if self.isVisible():
+            self.trials.begin()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Find out what the fixes would make."""
+        super().showEvent(event)
+        self.trials.begin()
 
     def _select_current(self) -> None:
         current = self._bar.current

@@ -14,8 +14,9 @@ from PySide6.QtCore import (
 )
 
 from faceedit_app.editing.help.problems import Problem
+from faceedit_app.editing.help.trying import Brought, is_worth
 from faceedit_app.ui.look.model_index import Index
-from faceedit_app.ui.page.problems_bar import ONE
+from faceedit_app.ui.page.problems_bar import ONE, words_for_made
 
 KIND, TIME, AMOUNT = range(3)
 _HEADS = ("Problem", "Time", "How bad")
@@ -30,7 +31,8 @@ _KEYS: tuple[Callable[[Problem], Any], ...] = (
 class ProblemsModel(QAbstractTableModel):
     """Problems with ticks, sorted by a column.
 
-    Ticks are kept when the take is searched again.
+    A problem whose fix would make another one is ticked only if the user does it, unless the other
+    is far smaller. Ticks are kept when the take is searched again.
 
     Signals:
         ticked(): a tick was set or removed.
@@ -47,7 +49,8 @@ class ProblemsModel(QAbstractTableModel):
         self._shown_time = shown_time
         self._problems: tuple[Problem, ...] = ()
         self._order: list[int] = []  # of the problems in each row
-        self._unticked: set[tuple[str, float]] = set()
+        self._by_hand: dict[tuple[str, float], bool] = {}  # the ticks that the user has set
+        self._brought: Brought = {}
         self._column, self._is_descending = TIME, False
 
     @property
@@ -63,12 +66,36 @@ class ProblemsModel(QAbstractTableModel):
 
     def is_ticked(self, problem: Problem) -> bool:
         """Whether a problem can be fixed and is ticked."""
-        return bool(problem.fix) and _key(problem) not in self._unticked
+        by_hand = self._by_hand.get(_key(problem))
+        return bool(problem.fix) and (self._is_harmless(problem) if by_hand is None else by_hand)
+
+    def _is_harmless(self, problem: Problem) -> bool:
+        brought = self._brought.get(problem)
+        return brought is None or is_worth(problem, brought)
+
+    @property
+    def left_out(self) -> tuple[Problem, ...]:
+        """The problems in the list that are not ticked because of what their fixes would make."""
+        shown = (self._problems[number] for number in sorted(self._order))
+        return tuple(p for p in shown if not (self._is_harmless(p) or self.is_ticked(p)))
 
     def tick(self, problems: Iterable[Problem], on: bool) -> None:
         """Set or remove the ticks of problems."""
-        keys = {_key(problem) for problem in problems if problem.fix}
-        self._unticked = self._unticked - keys if on else self._unticked | keys
+        self._by_hand |= {_key(problem): on for problem in problems if problem.fix}
+        self._say_ticked()
+
+    def show_brought(self, brought: Brought) -> None:
+        """Say what fixes would make, and tick those that do more good than harm."""
+        if brought != self._brought:
+            self._brought = brought
+            self._say_ticked()
+
+    def made_by(self, problem: Problem) -> str:
+        """What the fix of a problem would make, after "It …"; empty if nothing is known of it."""
+        brought = self._brought.get(problem)
+        return words_for_made(brought, self._shown_time(brought.time)) if brought else ""
+
+    def _say_ticked(self) -> None:
         if self._order:
             ends = (self.index(row, KIND) for row in (0, len(self._order) - 1))
             self.dataChanged.emit(*ends)
@@ -82,7 +109,10 @@ class ProblemsModel(QAbstractTableModel):
         """Show problems of one kind, or all if None."""
         self.beginResetModel()
         self._problems = problems
-        self._unticked &= {_key(problem) for problem in problems}
+        known = {_key(problem) for problem in problems}
+        self._by_hand = {key: on for key, on in self._by_hand.items() if key in known}
+        still = {*problems} & self._brought.keys()
+        self._brought = {problem: self._brought[problem] for problem in still}
         self._order = [i for i, found in enumerate(problems) if kind is None or found.kind == kind]
         self._sort()
         self.endResetModel()
@@ -137,15 +167,15 @@ class ProblemsModel(QAbstractTableModel):
             case Qt.ItemDataRole.DisplayRole if column == TIME:
                 return self._shown_time(problem.time)
             case Qt.ItemDataRole.DisplayRole:
-                return _name(problem) if column == KIND else problem.amount
+                return self._name(problem) if column == KIND else problem.amount
             case Qt.ItemDataRole.CheckStateRole if column == KIND and problem.fix:
                 on = self.is_ticked(problem)
                 return Qt.CheckState.Checked if on else Qt.CheckState.Unchecked
             case Qt.ItemDataRole.ToolTipRole:
-                why = problem.why_unfixed
-                return f"{problem.message}\nNo fix: {why}" if why else problem.message
+                return "\n".join([problem.message, *self._remarks(problem)])
             case Qt.ItemDataRole.AccessibleTextRole if column == KIND:
-                return f"{problem.message}, at {self._shown_time(problem.time)}"
+                at = f"{problem.message}, at {self._shown_time(problem.time)}"
+                return ". ".join([at, *self._remarks(problem)])
             case Qt.ItemDataRole.TextAlignmentRole if column == AMOUNT:
                 return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
             case _:
@@ -159,10 +189,18 @@ class ProblemsModel(QAbstractTableModel):
         self.tick((problem,), Qt.CheckState(value) is Qt.CheckState.Checked)
         return True
 
+    def _name(self, problem: Problem) -> str:
+        name = f"{ONE[problem.kind]}: {problem.about}" if problem.about else ONE[problem.kind]
+        if made := self.made_by(problem):
+            return f"{name} (its fix {made})"
+        return name if problem.fix else f"{name} (no fix)"
 
-def _name(problem: Problem) -> str:
-    name = f"{ONE[problem.kind]}: {problem.about}" if problem.about else ONE[problem.kind]
-    return name if problem.fix else f"{name} (no fix)"
+    def _remarks(self, problem: Problem) -> list[str]:
+        """What is to be said of its fix."""
+        if why := problem.why_unfixed:
+            return [f"No fix: {why}"]
+        made = self.made_by(problem)
+        return [f"Its fix {made}"] if made else []
 
 
 def _key(problem: Problem) -> tuple[str, float]:

@@ -87,17 +87,21 @@ class ProposalBar(QFrame):
             variations: other edits for the same, which the user can step through; the first
                 replaces `edits`.
         """
-        self.discard()
+        wanted = tuple(map(tuple, variations)) or (tuple(edits),)
+        is_shown = self.is_open and self.is_for_all and wanted == self._variations
+        if not is_shown:
+            self.discard()
         self._name, self.problem = name, problem
         self.is_for_all = problem is None and not variations
-        self._variations = tuple(map(tuple, variations)) or (tuple(edits),)
+        self._variations = wanted
         self.text.short = short
         self.text.setText(text)
         self.text.setToolTip(plain_tip(text))
         for step in self._steps:
             step.setVisible(len(self._variations) > 1)
-        self._show(True)
-        self.vary(0)
+        if not is_shown:
+            self._show(True)
+            self.vary(0)
 
     @property
     def has_variations(self) -> bool:

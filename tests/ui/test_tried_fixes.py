@@ -1,0 +1,98 @@
+"""A fix that would make another problem is shown with it in the list, and is not ticked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
+
+from faceedit_app.core.controls import LIP_OPENING
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.ui.page.problems_model import KIND
+from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.time_display import shown_time
+
+SHAKING = tuple((frame / 60, 2.5 * (-1) ** frame) for frame in range(312, 336))
+
+
+@pytest.fixture
+def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> MainWindow:
+    """Its first problem has a fix that makes the mouth shake at 5.4 s."""
+    window = with_problems(bench, monkeypatch, tmp_path)
+    bar = editor_of(window).problems
+    blink, lips = bar.problems
+    shaking = Edit((LIP_OPENING,), Op.ADD, 5.2, 5.6, 0.1, points=SHAKING)
+    bar.problems = (replace(blink, fix=(*blink.fix, shaking)), lips)
+    bar.found.emit()
+    return window
+
+
+def wait(bench: Bench, window: MainWindow) -> None:
+    """Until the fixes of the list that is shown have been tried."""
+    bench.qtbot.waitUntil(lambda: not editor_of(window).trials.is_trying)
+
+
+def test_a_fix_that_would_make_another_problem_says_so_and_is_not_ticked(
+    bench: Bench, window: MainWindow
+) -> None:
+    editor, session = editor_of(window), session_of(window)
+    blink, lips = editor.problems.problems
+    rows = editor.problem_list
+    trigger_enabled(window, "list_problems")
+    wait(bench, window)
+    assert rows.chosen == (lips,)
+    first = rows.model.index(0, KIND)
+    made = rows.model._brought[blink]
+    when = shown_time(session.take.clip, made.time, window.timeline.display.unit)
+    for role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
+        assert f"makes shaking {made.amount} at {when}" in first.data(role)
+    trigger_enabled(window, "next_problem", "fix_problem")
+    assert "The fix makes shaking" in editor.proposal.text.toolTip()
+    trigger_enabled(window, "fix_all")
+    assert "1 problem " in editor.proposal.text.text()
+    assert "one more that would make another problem" in editor.proposal.text.toolTip()
+    trigger_enabled(window, "accept_fix")
+    assert session.edits == lips.fix
+
+
+def test_what_the_user_ticks_is_fixed_all_the_same(bench: Bench, window: MainWindow) -> None:
+    editor = editor_of(window)
+    blink, lips = editor.problems.problems
+    trigger_enabled(window, "list_problems")
+    wait(bench, window)
+    trigger_enabled(window, "next_problem", "tick_problem", "fix_all")
+    assert editor.problem_list.chosen == (blink, lips)
+    trigger_enabled(window, "accept_fix")
+    assert session_of(window).edits == (*blink.fix, *lips.fix)
+
+
+def test_a_proposal_made_before_the_fixes_were_tried_is_corrected(
+    bench: Bench, window: MainWindow
+) -> None:
+    editor, session = editor_of(window), session_of(window)
+    blink, lips = editor.problems.problems
+    trigger_enabled(window, "fix_all")
+    assert "trying" in editor.proposal.text.toolTip()
+    assert editor.problem_list.chosen == (blink, lips)
+    wait(bench, window)
+    assert editor.problem_list.chosen == (lips,)
+    trigger_enabled(window, "accept_fix")
+    assert session.edits == lips.fix
+
+
+def test_a_gesture_ends_the_trial_and_its_end_begins_another(
+    bench: Bench, window: MainWindow
+) -> None:
+    editor, session = editor_of(window), session_of(window)
+    trigger_enabled(window, "list_problems")
+    wait(bench, window)
+    edit = Edit((LIP_OPENING,), Op.OFFSET, 1.0, 1.4, 0.2, 1.0)
+    session.preview(edit)
+    assert not editor.trials._tried
+    session.commit()
+    with bench.qtbot.waitSignal(editor.trials.tried):
+        editor.problems.search()
+    assert editor.problem_list.chosen == editor.problems.problems
