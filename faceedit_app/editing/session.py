@@ -17,7 +17,7 @@ from faceedit_app.core.atomic import is_same_file, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import MOST_EDITS
+from faceedit_app.editing.edits.edit import MOST_EDITS, Op
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -27,6 +27,7 @@ from faceedit_app.editing.files.fingerprint import (
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.history import EditHistory
 from faceedit_app.editing.solving.answerable import Lack
+from faceedit_app.editing.solving.filled_frames import FilledFrames, filled_frames
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState
@@ -124,6 +125,11 @@ class EditSession(EditHistory):
 
     # --- the result ------------------------------------------------------------------------
 
+    @property
+    def tracked_weights(self) -> Floats:
+        """(T, 52) in ARKit order, as the take came in; do not change them."""
+        return self._solver.tracked
+
     def rig_weights(self, frame: int, tracked: bool = False) -> Floats:
         """(K,) weights of one frame, for `shown_rig.vertices`."""
         source = self._solver.tracked if tracked else self.weights
@@ -164,6 +170,15 @@ class EditSession(EditHistory):
     def moved(self, values: Floats) -> Floats:
         """(T,) values of the frames, such as confidence, at the moments that retimes show."""
         return self._solver.moved(self.edits, values)
+
+    def filled_frames(self) -> FilledFrames | None:
+        """The frames that fills give to gaps, as shown: also those of a preview; None if none."""
+        lost, shown = self.take.lost_rows, self._steps.shown
+        if lost is None or not any(edit.op is Op.FILL for edit in shown.edits):
+            return None
+        self.live.work()
+        rows = self._solver.found(lost, shown.edits, shown.settings.closes, self.weights)
+        return filled_frames(self.take.clip, lost, rows, self._solver.distances.measure)
 
     def filled_rows(self) -> Floats | None:
         """(L, K) the weights that fills give to the take's `lost_rows`, NaN where none does."""

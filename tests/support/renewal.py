@@ -65,7 +65,7 @@ _OURS = "faceedit_app.ui."
 _PASSING = {
     "__METAOBJECT__", "_job", "draws", "_newest", "_anchor", "_last_preview", "_spans",
     "_extremes", "_numbers", "_painted", "lastMousePos", "_stale", "_smooth", "_picture", "_began",
-    "_shown_at", "_measured", "range", "_box", "_backdrop",
+    "_shown_at", "_measured", "range", "_box", "_backdrop", "_took",
 }  # fmt: skip
 
 

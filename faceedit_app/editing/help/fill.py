@@ -76,7 +76,7 @@ def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     lost = sum(g.missing for g in clip.gaps if start <= clip.times[g.frame] < end)
     found = _rows_filled(take, start, end)
     if found:
-        text += f"; {_seen_in_export(found)}"
+        text += f"; {_faces_given(found)}"
     if lost > found:
         text += f"; the file has no row for {counted(lost - found, 'lost frame')}"
     return text
@@ -89,10 +89,10 @@ def variations_of(fix: Sequence[Edit]) -> list[tuple[Edit, ...]]:
     return list(zip(*map(variations, fix), strict=True))
 
 
-def seen_later(take: Take, fix: Sequence[Edit]) -> str:
-    """What is said of a fix that fills rows without a face, which no curve shows; else nothing."""
+def faces_given(take: Take, fix: Sequence[Edit]) -> str:
+    """What is said of a fix that fills rows without a face; else nothing."""
     fills = [edit.span for edit in fix if edit.op is Op.FILL]
-    said = _seen_in_export(sum(_rows_filled(take, *span) for span in fills))
+    said = _faces_given(sum(_rows_filled(take, *span) for span in fills))
     return f"{said[:1].upper()}{said[1:]}"
 
 
@@ -102,10 +102,8 @@ def _rows_filled(take: Take, start: float, end: float) -> int:
     return int(((seconds > start) & (seconds < end)).sum())
 
 
-def _seen_in_export(rows: int) -> str:
-    if not rows:
-        return ""
-    return f"the export gets a face in {counted(rows, 'row')} without one: open it to see these"
+def _faces_given(rows: int) -> str:
+    return f"a face in {counted(rows, 'row')} without one, as shown in the gap" if rows else ""
 
 
 def _lost_seconds(take: Take) -> Times:

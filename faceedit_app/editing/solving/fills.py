@@ -198,13 +198,12 @@ class Fills:
             first, stop = fill_frames(times, edit.span)
             # A fill between two frames covers none.
             if edit.op is Op.FILL and stop - first < len(times):
-                stretch = self._stretch(
-                    edit, self._made(_acting(edits[:i]), whole), whole, first, stop
-                )
+                start = self.applied(edits[:i], whole)
+                stretch = self._stretch(edit, start, whole, first, stop)
                 out[covered] = self._filling.between(stretch, seconds[covered])
-        change = (weights - self._made(_acting(edits), whole)).astype(np.float64)
-        share = share[:, None]
-        out += (1.0 - share) * change[before] + share * change[before + 1]
+        started, share = self.applied(edits, whole), share[:, None]
+        for rows, part in ((before, 1.0 - share), (before + 1, share)):
+            out += part * (weights[rows] - started[rows]).astype(np.float64)
         found: Floats = np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
         return found
 

@@ -193,18 +193,18 @@ class FixCommands:
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""
-        from faceedit_app.editing.help.fill import seen_later, variations_of
+        from faceedit_app.editing.help.fill import faces_given, variations_of
 
         page, problem, session = self._workspace.page, self.problem, self._document.session
         if page is not None and session is not None and problem is not None and problem.fix:
             self._workspace.end_gestures()
             said = f"{problem.message[:1].lower()}{problem.message[1:]}"
-            seen = seen_later(session.take, problem.fix)
+            given = faces_given(session.take, problem.fix)
             made = page.problem_list.model.made_by(problem)
             but = f" The fix {made}." if made else ""
-            message = f"{seen or 'Fix shown'}. The problem: {said}.{but}"
+            message = f"{given or 'Fix shown'}. The problem: {said}.{but}"
             found = variations_of(problem.fix)
-            short = seen or (f"The fix {made}" if made else problem.message)
+            short = given or (f"The fix {made}" if made else problem.message)
             page.proposal.offer(
                 message, problem.fix, "Fix problem", problem, short=short, variations=found
             )

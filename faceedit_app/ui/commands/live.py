@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QMessageBox, QWidget
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.state.gap_frames import values_at, weights_at
 
 if TYPE_CHECKING:
     from faceedit_app.editing.recording import Recorder
@@ -80,13 +81,12 @@ class LivePreview(QObject):
             return
         from faceedit_app.editing.streaming import pose_of
 
-        frame = min(max(self._workspace.timeline.frame, 0), len(session.weights) - 1)
-        clip = session.take.clip
-        weights, turns = session.weights[frame], session.rotations
+        clip, line = session.take.clip, self._workspace.timeline
+        weights, turns = weights_at(session, line), session.rotations
         if page is not None and page.face.shows_tracked:
-            weights, turns = clip.arkit_weights()[frame], clip.rotations
+            weights, turns = values_at(session.tracked_weights, line), clip.rotations
         follows = page is not None and page.face.follows_head
-        rotations = turns[frame] if follows and turns is not None else None
+        rotations = values_at(turns, line) if follows and turns is not None else None
         self._sender.send(pose_of(weights, clip.rate, rotations))
 
 

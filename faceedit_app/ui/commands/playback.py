@@ -57,7 +57,7 @@ class PlaybackCommands:
 
     def step_frames(self, frames: int) -> None:
         """Move the playhead by frames."""
-        self._timeline.go_to_frame(self._timeline.frame + frames)
+        self._timeline.step(frames)
 
     def step_seconds(self, seconds: float) -> None:
         """Move the playhead by seconds."""

@@ -223,8 +223,8 @@ class CurvesPanel(QWidget):
 
     def _read_curves(self) -> None:
         assert self.session is not None
-        self._columns_read = self.shown.columns
-        self._curves = self._axes.curves = VisibleCurves(self.session, self._columns_read)
+        columns = self._columns_read = self.shown.columns
+        self._curves = self._axes.curves = VisibleCurves(self.session, columns, self.timeline)
 
     @property
     def is_reshaping(self) -> bool:

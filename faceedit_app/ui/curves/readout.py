@@ -17,6 +17,7 @@ from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import Gesture
 from faceedit_app.ui.curves.words import CHOSEN_HINT, IDLE_HINTS, length, note_on
+from faceedit_app.ui.state.gap_frames import edited_at, values_at
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
@@ -58,16 +59,15 @@ class Readout:
         """
         mouse, timeline = self._mouse, self._timeline
         # When another take opens, timeline and panel are updated one after the other.
-        frame = min(timeline.frame, len(session.tracked) - 1)
-        arrays = session.tracked, session.asked, session.achieved
-        values = zip(*(array[frame].tolist() for array in arrays), strict=True)
+        values = values_at(session.tracked, timeline), *edited_at(session, timeline)
         limits = session.limits
         dragging, span, selection = mouse.is_dragging, mouse.span, self._edges.span
         plain = Marks(selection, span if dragging else None, style.WEAK)
         lit = Marks(selection, span, style.STRONG if dragging else style.HOVER)
         edited = mouse.drag.controls if mouse.drag is not None and mouse.drag.moving else ()
         pins = self._pins()
-        rows = list(zip(self._headers, self._plots, values, strict=True))
+        curves = zip(*(each.tolist() for each in values), strict=True)
+        rows = list(zip(self._headers, self._plots, curves, strict=True))
         for i in columns:
             header, plot, (tracked, asked, face) = rows[i]
             here = plot is mouse.plot

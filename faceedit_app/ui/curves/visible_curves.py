@@ -12,7 +12,9 @@ from faceedit_app.characters.closure import CLOSING, Openings
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.extremes import Extremes, highest, lowest
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.filled_frames import FilledFrames
 from faceedit_app.ui.curves.scale import Interval
+from faceedit_app.ui.state.timeline import Timeline
 
 Values = NDArray[np.floating]
 Mask = NDArray[np.bool_]
@@ -87,12 +89,20 @@ class VisibleCurves:
     Args:
         session: whose curves.
         columns: which of them, the C curves that are read; None = all.
+        timeline: knows the frames that are filled within gaps; None = none are.
 
     Attributes:
         low, high: mm, of all curves of the take as tracked.
     """
 
-    def __init__(self, session: EditSession, columns: Sequence[int] | None = None) -> None:
+    def __init__(
+        self,
+        session: EditSession,
+        columns: Sequence[int] | None = None,
+        timeline: Timeline | None = None,
+    ) -> None:
+        self._timeline = timeline
+        self._filled: FilledFrames | None = None
         self._session, self._live, self._seen = session, session.live, 0
         self._times = session.take.clip.times
         self._shown_rig = session.rig
@@ -133,14 +143,19 @@ class VisibleCurves:
 
     def refresh(self) -> None:
         """Read the curves again."""
-        y, near = self._y, self._near
+        y, near, filled = self._y, self._near, self._filled
         self._read_again()
+        if self._filled is not filled:
+            for place in range(self._curves):
+                self._known.pop((_FACE, place), None)
         new = (self._y != y).any(axis=2)
         new[::2] |= (self._near != near).any(axis=2)
         for line, place in np.argwhere(new).tolist():
             self._known.pop((line, place), None)
 
     def _read_again(self) -> None:
+        if self._timeline is not None:
+            self._filled = self._timeline.filled_frames
         self._read_curves()
         self._character = self._read_character()
 
@@ -189,17 +204,34 @@ class VisibleCurves:
         if known is None:
             y, thinned = self._y[line, place], self._size > 1
             if line == _FACE:
-                known = Polyline(self._x, y, None, thinned)
+                known = self._through_gaps(curve, Polyline(self._x, y, None, thinned))
             else:
                 # Where lines coincide, only the face is drawn: without edits, a single line.
                 known = run_of(self._x, y, self._near[line // 2, place], thinned)
             self._known[line, place] = known
         return known
 
+    def _through_gaps(self, curve: int, face: Polyline) -> Polyline:
+        """The line of the face through the filled frames."""
+        filled = self._filled
+        if filled is None or not len(face.x):
+            return face
+        first, stop = np.searchsorted(filled.times, (face.x[0], face.x[-1])).tolist()
+        if first == stop:
+            return face
+        seconds, values = filled.times[first:stop], filled.controls[first:stop, curve]
+        at = np.searchsorted(face.x, seconds)
+        x, y = np.insert(face.x, at, seconds), np.insert(face.y, at, values)
+        return Polyline(x, y, None, face.thinned)
+
     def extent(self, curve: int) -> Interval:
         """Lowest and highest value in view of all three lines, as far as a face can go."""
         y = self._y[:, self._places[curve]]
-        return self.bounded(curve, float(y.min())), self.bounded(curve, float(y.max()))
+        low, high = float(y.min()), float(y.max())
+        if self._filled is not None:
+            face = self.lines(curve).face.y
+            low, high = min(low, float(face.min())), max(high, float(face.max()))
+        return self.bounded(curve, low), self.bounded(curve, high)
 
     def bounded(self, curve: int, value: float) -> float:
         """A value kept near what a face, or this take, can do: no axis goes further."""

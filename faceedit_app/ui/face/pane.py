@@ -16,6 +16,7 @@ from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import context_menu, icon_button, segments
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.gap_frames import values_at, weights_at
 from faceedit_app.ui.state.timeline import Timeline
 
 MENU = (
@@ -115,14 +116,14 @@ class FacePane(QWidget):
         self._follows = wanted
         self._switched()
 
-    def _turn_heads(self, session: EditSession, frame: int) -> None:
-        """Turn the heads as they are in a frame, if they are to follow."""
-        edited, tracked = session.rotations, session.take.clip.rotations
+    def _turn_heads(self, session: EditSession) -> None:
+        """Turn the heads as they are at the playhead, if they are to follow."""
+        line, edited, tracked = self._timeline, session.rotations, session.take.clip.rotations
         if not self._follows or edited is None or tracked is None:
             self.viewport.turn_heads(None)
             return
         shown = tracked if self.shows_tracked else edited
-        self.viewport.turn_heads(shown[frame], tracked[frame])
+        self.viewport.turn_heads(values_at(shown, line), values_at(tracked, line))
 
     def aim(self, aim: str) -> None:
         """Point the camera: see `render.Aim`."""
@@ -137,38 +138,38 @@ class FacePane(QWidget):
         self.switched.emit()
         self.refresh()
 
-    def _pose(self, session: EditSession, frame: int) -> list[Floats]:
-        """What the edited face of a frame is drawn from."""
-        turns = [] if session.rotations is None else [session.rotations[frame].copy()]
-        return [session.rig_weights(frame).copy(), *turns]
+    def _pose(self, session: EditSession) -> list[Floats]:
+        """What the edited face at the playhead is drawn from."""
+        turns, line = session.rotations, self._timeline
+        weights = session.shown_rig.from_arkit(weights_at(session, line)).copy()
+        return [weights] if turns is None else [weights, values_at(turns, line).copy()]
+
+    def _tracked_pose(self, session: EditSession) -> Floats:
+        """What the tracked face at the playhead is drawn from."""
+        return session.shown_rig.from_arkit(values_at(session.tracked_weights, self._timeline))
 
     def refresh_if_other(self) -> None:
         """Show the frame at the playhead, unless it is shown: a new picture is rough at first."""
         session = self._document.session
         if session is None:
             return
-        now = self._pose(session, self._frame(session))
+        now = self._pose(session)
         if len(now) != len(self._shown) or not all(map(np.array_equal, now, self._shown)):
             self.refresh()
-
-    def _frame(self, session: EditSession) -> int:
-        return min(max(self._timeline.frame, 0), len(session.weights) - 1)
 
     def refresh(self) -> None:
         """Show the frame at the playhead."""
         session = self._document.session
         if session is not None:
-            frame = self._frame(session)
-            self._shown = self._pose(session, frame)
+            self._shown = self._pose(session)
             compares = self._difference and not self.shows_tracked
-            tracked = (
-                session.rig_weights(frame, tracked=True) if compares or self.shows_both else None
-            )
+            needs_tracked = compares or self.shows_both or self.shows_tracked
+            tracked = self._tracked_pose(session) if needs_tracked else None
             self.handles.use_rig(session.shown_rig)
             self.handles.is_wanted = not (self.shows_tracked or self.shows_both)
-            self._turn_heads(session, frame)
+            self._turn_heads(session)
             self.viewport.show_weights(
-                session.rig_weights(frame, self.shows_tracked),
+                tracked if tracked is not None and self.shows_tracked else self._shown[0],
                 beside=tracked if self.shows_both else None,
                 against=tracked if compares else None,
             )

@@ -39,6 +39,7 @@ from faceedit_app.ui.page.transport import Transport
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.background_solving import BackgroundSolving
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.gap_frames import GapFrames
 from faceedit_app.ui.state.playback import Playback
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
@@ -68,6 +69,7 @@ class Editor(QWidget):
         self._document, self._timeline, self._playback = document, timeline, playback
         self._tools = tools
         self._take: Path | None = None
+        self.gap_frames = GapFrames(document, timeline, self)
         self.settings_bar = SettingsBar(actions, document)
         self.tool_bar = ToolBar(actions, tools)
         self.proposal = ProposalBar(actions, document)
@@ -271,6 +273,7 @@ class Editor(QWidget):
         clip = session.take.clip
         self.hints.finish()
         self._timeline.open(clip)
+        self.gap_frames.refresh()
         if session.take.path != self._take:  # not the same one at another frame rate
             self._restore_settings()
         self._take, self._edits = session.take.path, len(session.edits)
@@ -350,6 +353,7 @@ class Editor(QWidget):
 
     def _solved(self) -> None:
         """A wide edit has been computed in full."""
+        self.gap_frames.refresh()
         self._advanced()
         self.settings_bar.sync()
 

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
+from faceedit_app.core.arrays import Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.ui.state.time_display import TimeDisplay
 
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.solving.filled_frames import FilledFrames
+
+NO_TIMES: Times = np.empty(0)
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
 FALLOFF_RANGE = (0.0, 5.0)
@@ -15,8 +23,13 @@ FALLOFF_RANGE = (0.0, 5.0)
 class Timeline(QObject):
     """The time axis of the open take. Times are seconds from the first frame.
 
+    Attributes:
+        frame: on screen; if that is a filled frame, one beside it.
+        filled_frames: what fills gaps of the take, if anything does.
+        filled: which of these is on screen; None if a frame of the clip is.
+
     Signals:
-        playhead_moved(int): the frame on screen.
+        playhead_moved(int): another frame is on screen.
         view_changed(): the visible range `view`.
         selection_changed(): the time selection `selection`, or None.
         falloff_changed(float): seconds over which an edit fades in (`falloff`) or out
@@ -32,6 +45,8 @@ class Timeline(QObject):
         super().__init__(parent)
         self._clip: Clip | None = None
         self.frame = 0
+        self.filled: int | None = None
+        self.filled_frames: FilledFrames | None = None
         self.view = (0.0, 1.0)
         self.selection: tuple[float, float] | None = None
         self.falloff = self.falloff_out = DEFAULT_FALLOFF
@@ -60,12 +75,15 @@ class Timeline(QObject):
 
     @property
     def time(self) -> float:
-        """Seconds of the frame on screen."""
+        """Seconds of the frame on screen, which may be a filled one."""
+        if self.filled is not None:
+            return float(self._filled[self.filled])
         return float(self._clip.times[self.frame]) if self._clip is not None else 0.0
 
     def open(self, clip: Clip) -> None:
         """Open another clip, at its start, all of it visible, nothing selected."""
         self._clip, self.frame = clip, 0
+        self.filled_frames = self.filled = None
         self.display.follow(clip)
         self.leave_edit()
         self.select(None)
@@ -77,18 +95,49 @@ class Timeline(QObject):
         """Move the playhead to a frame; the view follows to keep it visible if it `turns_page`."""
         if self._clip is None:
             return
-        frame = min(max(frame, 0), self.frames - 1)
-        if frame == self.frame:
+        self._go_to(min(max(frame, 0), self.frames - 1), None, turns_page)
+
+    def _go_to(self, frame: int, filled: int | None, turns_page: bool) -> None:
+        if (frame, filled) == (self.frame, self.filled):
             return
-        self.frame = frame
+        self.frame, self.filled = frame, filled
         if turns_page:
             self._keep_in_view(self.time)
         self.playhead_moved.emit(frame)
 
     def go_to_time(self, seconds: float, turns_page: bool = True) -> None:
-        """Move the playhead to the frame nearest to a time; see `go_to_frame`."""
-        if self._clip is not None:
-            self.go_to_frame(self._clip.frame_at(seconds), turns_page)
+        """Move the playhead to the nearest frame, also a filled one; see `go_to_frame`."""
+        if self._clip is None:
+            return
+        frame, filled = self._clip.frame_at(seconds), None
+        if len(self._filled):
+            apart = np.abs(self._filled - seconds)
+            nearest = int(apart.argmin())
+            if apart[nearest] < abs(self._clip.times[frame] - seconds):
+                filled = nearest
+        self._go_to(frame, filled, turns_page)
+
+    def step(self, frames: int) -> None:
+        """Move the playhead by frames, also filled ones."""
+        if not len(self._filled) or self._clip is None:
+            self.go_to_frame(self.frame + frames)
+            return
+        stops = np.sort(np.concatenate([self._clip.times, self._filled]))
+        at = int(np.searchsorted(stops, self.time - 1e-9)) + frames
+        self.go_to_time(float(stops[min(max(at, 0), len(stops) - 1)]))
+
+    @property
+    def _filled(self) -> Times:
+        """(M,) seconds of the filled frames."""
+        return NO_TIMES if self.filled_frames is None else self.filled_frames.times
+
+    def fill_gaps(self, frames: FilledFrames | None) -> None:
+        """Let the playhead stand on filled frames as well; if its own is gone, it stays nearby."""
+        now, before = self.time, self._filled
+        self.filled_frames = frames
+        if self.filled is not None and not np.array_equal(self._filled, before):
+            self.frame, self.filled = -1, None  # so that the move is announced
+            self.go_to_time(now, turns_page=False)
 
     def point_at(self, seconds: float) -> None:
         """Move the playhead to the frame under the pointer.

@@ -1,0 +1,74 @@
+"""The frames that fills give to gaps: what the export writes there is what is shown there."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+
+from faceedit_app.core.arrays import Floats
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
+
+if TYPE_CHECKING:  # the window is there before the solver
+    from faceedit_app.editing.session import EditSession
+
+_QUICK = 0.003  # seconds; in a gesture, what takes longer waits for its end
+
+
+class GapFrames(QObject):
+    """Keeps the filled frames of the timeline up to date.
+
+    It is made before the views, so that it hears of a change before them.
+    """
+
+    def __init__(self, document: Document, timeline: Timeline, parent: QObject) -> None:
+        super().__init__(parent)
+        self._document, self._timeline = document, timeline
+        self._took = 0.0
+        document.changed.connect(self.refresh)
+        document.previewed.connect(self._previewed)
+
+    def _previewed(self) -> None:
+        if self._took < _QUICK:
+            self.refresh()
+
+    def refresh(self) -> None:
+        """Read them again, unless what they follow from is still being computed."""
+        session = self._document.session
+        if session is None or not session.live.is_complete:
+            return
+        began = time.perf_counter()
+        self._timeline.fill_gaps(session.filled_frames())
+        self._took = time.perf_counter() - began
+
+
+def weights_at(session: EditSession, line: Timeline) -> Floats:
+    """(52,) of the edited face at the playhead, in ARKit order."""
+    if line.filled is not None and line.filled_frames is not None:
+        filled: Floats = line.filled_frames.weights[line.filled]
+        return filled
+    weights: Floats = session.weights[_frame(session.weights, line)]
+    return weights
+
+
+def edited_at(session: EditSession, line: Timeline) -> tuple[Floats, Floats]:
+    """(C,) mm each: what the edits ask for at the playhead, and the face. A fill asks for both."""
+    if line.filled is not None and line.filled_frames is not None:
+        return (line.filled_frames.controls[line.filled],) * 2
+    frame = _frame(session.achieved, line)
+    return session.asked[frame], session.achieved[frame]
+
+
+def values_at(values: Floats, line: Timeline) -> Floats:
+    """(K,) of values (T, K) at the playhead; in a gap, between those of the frames around it."""
+    if line.filled is not None and line.filled_frames is not None:
+        return line.filled_frames.between(values, line.filled)
+    row: Floats = values[_frame(values, line)]
+    return row
+
+
+def _frame(values: Floats, line: Timeline) -> int:
+    """The frame at the playhead: while a take opens, it may be that of the last one."""
+    return min(max(line.frame, 0), len(values) - 1)

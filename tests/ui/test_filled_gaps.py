@@ -1,0 +1,104 @@
+"""Frames that a fill gives to a gap are shown as they will be exported; it stays marked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from support.takes import make_livelink_csv
+from support.windows import Bench, editor_of, session_of, trigger, trigger_enabled
+
+from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.formats.opening import open_take
+from faceedit_app.ui.start.window import MainWindow
+
+LOST = range(100, 112)
+OPENING = CONTROL_INDEX[LIP_OPENING]
+
+
+@pytest.fixture
+def window(bench: Bench) -> MainWindow:
+    """With a take that lost twelve rows."""
+    take = make_livelink_csv(bench.folder / "gap.csv", 4.0, 60, untracked=LOST)
+    window = bench.editing(take)
+    editor_of(window).problems.search()
+    return window
+
+
+def face_line(window: MainWindow, beside: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The seconds of the points of the mouth opening that are drawn within the gap."""
+    (gap,) = session_of(window).take.clip.gap_times
+    curves = editor_of(window).curves._curves
+    assert curves is not None
+    x = np.asarray(curves.lines(OPENING).face.x, np.float64)
+    return x[(x > gap[0] + beside) & (x < gap[1] - beside)]
+
+
+def test_what_is_shown_in_a_gap_is_what_the_export_writes(
+    window: MainWindow, tmp_path: Path
+) -> None:
+    editor, session, line = editor_of(window), session_of(window), window.timeline
+    (gap,) = session.take.clip.gap_times
+    assert not len(face_line(window, 0.001))
+    trigger_enabled(window, "next_problem", "fix_problem")
+    assert len(face_line(window, 0.001)) == len(LOST), "the proposal is shown"
+    trigger_enabled(window, "discard_fix")
+    assert not len(face_line(window, 0.001))
+    trigger_enabled(window, "fix_problem", "accept_fix")
+    assert session.take.clip.gap_times == [gap], "the gap is still marked"
+    session.export(tmp_path / "out.csv")
+    exported = open_take(tmp_path / "out.csv").clip
+    rig = session.rig
+    for row in LOST:
+        line.go_to_time(row / 60)
+        assert line.time == pytest.approx(row / 60, abs=1e-3)
+        shown = editor.face._shown[0]
+        np.testing.assert_allclose(shown, rig.from_arkit(exported.arkit_weights()[row]), atol=2e-5)
+        opening = float(rig.arkit_distances.measure(exported.arkit_weights()[[row]])[0, OPENING])
+        assert editor.curves.headers[OPENING].value == f"{opening:.1f} mm"
+
+
+def test_the_playhead_steps_and_plays_through_filled_frames(window: MainWindow) -> None:
+    session, line = session_of(window), window.timeline
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
+    line.go_to_frame(99)
+    for row in (*LOST, LOST.stop):
+        QTest.keyClick(window, Qt.Key.Key_Right)
+        assert line.time == pytest.approx(row / 60, abs=1e-3)
+    assert (line.frame, line.filled) == (100, None)
+    QTest.keyClick(window, Qt.Key.Key_Left)
+    assert line.filled == len(LOST) - 1
+    trigger(window, "undo")
+    assert line.filled is None, "it stands on a frame of the take again"
+    assert line.frame in (99, 100)
+    assert session.edits == ()
+
+
+def test_other_edits_and_the_tracked_face_are_shown_in_a_gap_too(window: MainWindow) -> None:
+    editor, session, line = editor_of(window), session_of(window), window.timeline
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
+    line.go_to_time(LOST[4] / 60)
+    before = line.filled_frames
+    assert before is not None
+    session.add(Edit((LIP_OPENING,), Op.OFFSET, 1.4, 2.2, 0.2, 6.0))
+    assert line.filled_frames is not None
+    assert (line.filled_frames.controls[:, OPENING] > before.controls[:, OPENING] + 2).all()
+    edited = editor.face._shown[0]
+    trigger(window, "show_tracked")
+    tracked = editor.face._tracked_pose(session)
+    frames = session.rig.from_arkit(session.tracked_weights[99:101])
+    assert (tracked >= frames.min(axis=0) - 1e-6).all()
+    assert (tracked <= frames.max(axis=0) + 1e-6).all()
+    assert not np.array_equal(tracked, edited)
+
+
+def test_another_take_has_no_filled_frames(bench: Bench, window: MainWindow) -> None:
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
+    window.timeline.go_to_time(LOST[4] / 60)
+    window.document.adopt(type(session_of(window))(open_take(bench.take), session_of(window).rig))
+    assert window.timeline.filled_frames is None
+    assert window.timeline.filled is None
