@@ -86,6 +86,31 @@ def test_a_click_applies_it_once_and_a_double_click_too(window: MainWindow) -> N
     assert window.status.currentMessage().endswith("; set its strength under Edits")
 
 
+def test_the_tab_says_where_a_click_acts(window: MainWindow) -> None:
+    palette, session, line = palette_of(window), session_of(window), window.timeline
+    assert palette.where.isVisible()
+    assert palette.where.geometry().bottom() < palette.viewport().geometry().top()
+    line.go_to_time(1.5)
+    assert palette.where.text().startswith("Smile and Sad mouth act on the whole take, the others")
+    assert "at the playhead" in palette.where.text()
+    for name in ("smile", "pucker"):
+        palette.buttons[name].click()
+    smile, pucker = session.edits
+    assert (smile.start, smile.end) == (0.0, session.take.clip.times[-1])
+    assert pucker.start < 1.5 < pucker.end < pucker.start + 1.0
+    assert "whole take" in palette.where.text(), "not in the range of the new edit"
+    window.actions_["deselect"].trigger()
+    line.select((1.0, 2.0))
+    assert palette.where.text() == "A click acts in the selection, 1.00 to 2.00 s"
+    window.actions_["unit_frames"].trigger()
+    assert palette.where.text() == "A click acts in the selection, frames 61 to 121"
+    palette.buttons["widen"].click()
+    assert (session.edits[-1].start, session.edits[-1].end) == (1.0, 2.0)
+    line.leave_edit()
+    line.select(None)
+    assert palette.where.text().startswith("Smile and Sad mouth")
+
+
 def test_a_picture_shows_the_part_of_the_face_that_moves() -> None:
     aims = {preset.id: aim_of(preset) for preset in shipped_presets() if has_pose(preset)}
     assert aims["sad_mouth"] is Aim.MOUTH

@@ -131,6 +131,8 @@ def test_a_preset_is_saved_applied_and_deleted(
     trigger_enabled(window, "undo")
     window.timeline.select((5.0, 6.0))
     menu.aboutToShow.emit()
+    where = menu.actions()[0]
+    assert (where.text(), where.isEnabled()) == ("In the selection, 5.00 to 6.00 s", False)
     mine = next(a for a in menu.actions() if a.text() == "My smile")
     mine.trigger()
     assert session.edits[0].name

@@ -112,10 +112,14 @@ class FixCommands:
         return page is not None and page.proposal.has_variations
 
     def fill_presets(self, menu: QMenu) -> None:
-        """List the user's own presets."""
+        """List the user's own presets, and where they act."""
+        from faceedit_app.ui.page.expressions import where_acts
+
         menu.clear()
         presets, notes = load_presets()
         own = [preset for preset in presets if preset.own]
+        if own:
+            menu.addAction(where_acts(own, self._timeline)[0]).setEnabled(False)
         for preset in own:
             action = menu.addAction(plain_entry(preset.name))
             action.setToolTip(plain_tip(preset.hint))

@@ -86,7 +86,7 @@ class Editor(QWidget):
         self.edits = EditsPanel(actions, document, timeline)
         self.trials = FixTrials(document, self.problems)
         self.problem_list = ProblemsList(actions, self.problems, timeline, self.trials)
-        self.expressions = Expressions(actions, document, self.face.viewport)
+        self.expressions = Expressions(actions, document, self.face.viewport, timeline)
         self.channels: ChannelsPanel | None = None  # once it has been opened
         self.lists = QTabWidget()
         self.transport = Transport(actions, timeline, playback)

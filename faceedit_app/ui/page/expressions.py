@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, QTimer
@@ -10,14 +11,17 @@ from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QWidget
 
 from faceedit_app.core.controls import control_named
 from faceedit_app.core.regions import BROWS, EYELIDS, JAW, LOWER
+from faceedit_app.core.texts import listed
 from faceedit_app.editing.help.poses import has_pose, pose_of
-from faceedit_app.editing.help.presets import Preset, shipped_presets
+from faceedit_app.editing.help.presets import Alone, Preset, shipped_presets
 from faceedit_app.render import Aim
 from faceedit_app.ui.face.viewport import Viewport
-from faceedit_app.ui.look.theme import GAP
-from faceedit_app.ui.look.widgets import OneClick
+from faceedit_app.ui.look.theme import GAP, MARGIN
+from faceedit_app.ui.look.widgets import Elided, OneClick
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.time_display import shown_range
+from faceedit_app.ui.state.timeline import Timeline
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.core.rig import Rig
@@ -35,6 +39,21 @@ def aim_of(preset: Preset) -> Aim:
     return next((aim for aim, regions in _DETAILS.items() if moved <= regions), Aim.FRONT)
 
 
+def where_acts(presets: Sequence[Preset], line: Timeline) -> tuple[str, str]:
+    """Where presets act if they are chosen now, in few words and in a sentence."""
+    if line.own_selection is not None and line.clip is not None:
+        span = shown_range(line.clip, *line.own_selection, line.display.unit)
+        return f"In the selection, {span}", f"A click acts in the selection, {span}"
+    whole = [preset.name for preset in presets if preset.alone is Alone.TAKE]
+    if not whole:
+        return "At the playhead", "A click acts at the playhead; select a range to act there"
+    names, verb = listed(whole), "acts" if len(whole) == 1 else "act"
+    if len(whole) == len(presets):
+        return "On the whole take", "A click acts on the whole take; select a range to act there"
+    text = f"{names} {verb} on the whole take, the others at the playhead; select a range instead"
+    return f"{names}: whole take; others: at the playhead", text
+
+
 class Expressions(QScrollArea):
     """A button for each; a click applies it to the selection, or where its fix acts without one.
 
@@ -42,16 +61,22 @@ class Expressions(QScrollArea):
     character.
     """
 
-    def __init__(self, actions: Actions, document: Document, viewport: Viewport) -> None:
+    def __init__(
+        self, actions: Actions, document: Document, viewport: Viewport, timeline: Timeline
+    ) -> None:
         super().__init__()
-        self._document, self._viewport = document, viewport
+        self._document, self._viewport, self._timeline = document, viewport, timeline
         self._presets = tuple(preset for preset in shipped_presets() if has_pose(preset))
         self._waiting: list[Preset] = []
         self._drawn_for: tuple[Rig, Engine | None] | None = None
         self._next = QTimer(self, singleShot=True, interval=0)  # when no event is waiting
         self._next.timeout.connect(self._draw_next)
         self.buttons = {preset.id: self._button(actions, preset) for preset in self._presets}
+        self.where = Elided()
         self._build()
+        for changed in (timeline.selection_changed, timeline.display.changed, document.opened):
+            changed.connect(self._show_where)
+        self._show_where()
         document.changed.connect(self._look)
         viewport.opened.connect(self._look)
 
@@ -81,7 +106,15 @@ class Expressions(QScrollArea):
         self._grid.setSpacing(GAP // 2)
         self._grid.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
         self.setWidget(page)
+        self.where.setParent(self)
+        self.where.setObjectName("caption")
         self._place()
+
+    def _show_where(self) -> None:
+        """Say where a click acts: in the selection, else on the whole take or at the playhead."""
+        self.where.short, text = where_acts(self._presets, self._timeline)
+        self.where.setText(text)
+        self.where.setToolTip(text)
 
     def _place(self) -> None:
         """As many beside each other as there is room for."""
@@ -92,6 +125,9 @@ class Expressions(QScrollArea):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fill the width."""
         super().resizeEvent(event)
+        height = self.where.sizeHint().height() + GAP // 2
+        self.setViewportMargins(0, height, 0, 0)
+        self.where.setGeometry(MARGIN, 0, self.width() - 2 * MARGIN, height)
         self._place()
 
     # --- pictures ------------------------------------------------------------------------------

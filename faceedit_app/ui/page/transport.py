@@ -91,9 +91,11 @@ class Transport(QWidget):
         self._show_unit()
 
     def _show_time(self) -> None:
-        clip = self._clip
-        frame = min(max(self._timeline.frame, 0), len(clip) - 1) if clip is not None else 0
-        texts = times(clip, frame) if clip is not None else ("", "", "")
+        clip, line = self._clip, self._timeline
+        texts = ("", "", "")
+        if clip is not None:
+            frame = min(max(line.frame, 0), len(clip) - 1)
+            texts = times(clip, frame, line.time if line.filled is not None else None)
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
 

@@ -80,11 +80,15 @@ def shown_range(clip: Clip, start: float, end: float, unit: Unit) -> str:
     return f"{'frames ' if unit is Unit.FRAMES else ''}{first} to {last}"
 
 
-def times(clip: Clip, frame: int) -> tuple[str, str, str]:
-    """A frame's time in three units: timecode, seconds, and frame number from 1."""
-    seconds = format_time(float(clip.times[frame]))
-    return (
-        clip.timecodes[frame] if clip.timecodes else seconds,
-        f"{seconds} / {format_time(clip.duration)}",
-        f"frame {frame + 1} / {len(clip)}",
-    )
+def times(clip: Clip, frame: int, filled: float | None = None) -> tuple[str, str, str]:
+    """A frame's time in three units: timecode, seconds, and frame number from 1.
+
+    Args:
+        filled: seconds of a filled frame after it; it has neither timecode nor number.
+    """
+    seconds = format_time(float(clip.times[frame]) if filled is None else filled)
+    code = clip.timecodes[frame] if clip.timecodes else seconds
+    number = f"{frame + 1}"
+    if filled is not None:
+        code, number = seconds, "filled"
+    return code, f"{seconds} / {format_time(clip.duration)}", f"frame {number} / {len(clip)}"
