@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from assets.builder import source as src
 from assets.builder.geometry import MIRROR, mesh_of, smooth, smoothstep
 from assets.builder.lips import seal_lips
+from assets.builder.open_lips import round_mouth
 from assets.builder.settings import NEUTRAL, SHAPES
 from assets.builder.source import BaseMesh, Floats, Ints, Source
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
@@ -92,6 +93,7 @@ def pose_face(source: Source) -> Face:
     body = _triangulate(mesh.group("body"), neutral, deltas)
     _smooth_cheeks(neutral, deltas, body, lips, eyes)
     neutral = seal_lips(neutral, deltas, body, lips)
+    round_mouth(neutral, deltas, lips)
     lids, ears = source.mask("eyelids"), source.mask("ears")
     _round_ears(neutral, body, ears)
     return Face(mesh, neutral, deltas, body, lips, mouth, lids, ears, eyes)

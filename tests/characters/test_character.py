@@ -21,7 +21,7 @@ from faceedit_app.core.controls import (
     MIRRORED_CONTROL,
     control_named,
 )
-from faceedit_app.core.rig import Rig
+from faceedit_app.core.rig import MILLIMETRES, Rig
 from faceedit_app.render import shade_of
 from faceedit_app.tracking.face_points import IRISES
 
@@ -125,6 +125,43 @@ def test_an_open_mouth_is_round(rig: Rig, channel: str, control: str) -> None:
     turns = np.diff(np.degrees(np.arctan2(rise, run)))
     assert turns.sum() > 30
     assert turns.max() < turns.sum() / 3, "not a corner in the middle"
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [{"jawOpen": 0.6}, {"jawOpen": 0.5, "mouthFunnel": 0.4}],
+    ids=["by the jaw", "as edits and people open it"],
+)
+def test_an_open_mouth_has_no_straight_sides(rig: Rig, shown: dict[str, float]) -> None:
+    pair, (middle, lowest) = (
+        rig.control_pairs[CONTROL_INDEX[name]] for name in ("mouth_width", "mouth_opening")
+    )
+    lips, of_jaw = lip_vertices(rig)
+    weights = np.array([shown.get(name, 0.0) for name in rig.channels], np.float32)
+    x, y = rig.vertices(weights)[:, :2].T
+    aside, corner = np.abs(x) / np.abs(x[pair]).mean(), y[pair].mean()
+    is_side = np.abs(aside[lips] - 0.5) < 0.06
+    lower, upper = lips[is_side & of_jaw], lips[is_side & ~of_jaw]
+    # Half way to a corner, a rhombus is half as open as in the middle, and an ellipse 87 %.
+    assert (corner - y[lower].max()) / (corner - y[lowest]) > 0.62
+    assert (y[upper].min() - corner) / (y[middle] - corner) > 0.55
+
+
+def test_lips_that_the_jaw_parts_meet_again_all_along(rig: Rig) -> None:
+    weights = np.array([float(c in ("jawOpen", "mouthClose")) for c in rig.channels], np.float32)
+    lips, of_jaw = lip_vertices(rig)
+    x, y = rig.vertices(weights)[lips, :2].T * MILLIMETRES
+    for column in np.arange(-18.0, 19.0, 3.0):
+        near = np.abs(x - column) < 1.5
+        assert y[near & ~of_jaw].min() - y[near & of_jaw].max() < 0.6, f"mm, at {column} mm"
+
+
+def lip_vertices(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices of the lips, and which of them the jaw carries further than the corners."""
+    faces = [rig.faces[m.start : m.stop] for m in rig.materials if m.name == "lips"]
+    lips = np.unique(np.concatenate(faces))
+    jaw = rig.deltas[rig.channels.index("jawOpen"), :, 1]
+    return lips, jaw[lips] < jaw[rig.control_pairs[CONTROL_INDEX["mouth_width"]]].mean()
 
 
 def beside(rig: Rig, vertex: int, sign: float) -> list[int]:

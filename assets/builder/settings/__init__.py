@@ -10,6 +10,7 @@ from assets.builder.settings.face import (
     NAME,
     LowerLip,
     Neutral,
+    OpenLips,
     Output,
     Shapes,
     Skin,
@@ -29,6 +30,7 @@ from assets.builder.settings.paint import Colour
 NEUTRAL = Neutral()
 SHAPES = Shapes()
 LOWER_LIP = LowerLip()
+OPEN_LIPS = OpenLips()
 SKIN = Skin()
 OUTPUT = Output()
 HAIR = Hair()
@@ -49,6 +51,7 @@ __all__ = [
     "MATERIALS",
     "NAME",
     "NEUTRAL",
+    "OPEN_LIPS",
     "OUTPUT",
     "SHAPES",
     "SKIN",

@@ -118,6 +118,23 @@ class Shapes:
 
 
 @dataclass(frozen=True)
+class OpenLips:
+    """How far the lips move apart between their middle and their corners, so that they are round.
+
+    A mouth that closes takes the jaw's part back.
+    """
+
+    # Channel, mm by which it moves the upper lip up and the lower one down, and at which share of
+    # the way from the middle to a corner it does most.
+    apart: tuple[tuple[str, float, float, float], ...] = (
+        ("jawOpen", 0.0, 3.2, 0.68),
+        ("mouthClose", 0.0, -3.2, 0.68),
+        ("mouthFunnel", 2.4, 2.6, 0.52),
+    )
+    reach: float = 15.0  # distance from the lips at which the skin stays
+
+
+@dataclass(frozen=True)
 class LowerLip:
     """Columns of vertices that round the lower lip."""
 
