@@ -16,8 +16,15 @@ from faceedit_app.formats.registry import offered_endings
 
 Entry = tuple[str, str, str]  # PyInstaller's: name in the bundle, file or link's target, kind
 
-# Chosen by name at run time, where PyInstaller cannot see it.
-HIDDEN = ["OpenGL.platform.egl", "OpenGL.platform.osmesa", "OpenGL.platform.glx", "OpenGL.osmesa"]
+# Chosen by name at run time, or imported as modules of `render/pyrender_parts`, where PyInstaller
+# cannot see it.
+HIDDEN = [
+    "OpenGL.platform.egl",
+    "OpenGL.platform.osmesa",
+    "OpenGL.platform.glx",
+    "OpenGL.osmesa",
+    "pyrender",
+]
 
 # All but what trimesh and the registration of scans need, and what that needs itself.
 UNUSED_SCIPY = [

@@ -33,11 +33,11 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
         ("faceedit_app.cli", ("numpy", "typer", "click", "rich", "torch", "scipy", "PySide6")),
         (
             "faceedit_app.ui.start.app",
-            ("typer", "click", "rich", "torch", "scipy", "pyrender", "OpenGL", "psygnal"),
+            ("typer", "click", "rich", "torch", "scipy", "OpenGL", "psygnal"),
         ),
         ("faceedit_app.ui.start.window", ("av", "sounddevice", "onnxruntime", "pyqtgraph")),
         ("faceedit_app.ui.start.window", ("faceedit_app.editing.session", "email.message")),
-        ("faceedit_app.editing.session", ("torch", "typer", "PySide6", "pyrender")),
+        ("faceedit_app.editing.session", ("torch", "typer", "PySide6", "OpenGL")),
     ],
 )
 def test_heavy_libraries_stay_out_of_the_way_to_the_window(

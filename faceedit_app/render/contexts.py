@@ -8,7 +8,6 @@ import sys
 from typing import Any
 
 from faceedit_app.core.errors import Unavailable
-from faceedit_app.render.lazy import lazily
 
 _VARIABLE = "PYOPENGL_PLATFORM"
 _LINUX_REMEDY = (
@@ -62,8 +61,7 @@ def platform_class(backend: str) -> Any:
         from faceedit_app.render.osmesa import OSMesaWithFramebuffers
 
         return OSMesaWithFramebuffers
-    with lazily("pyrender"):
-        from pyrender.platforms.pyglet_platform import PygletPlatform
+    from faceedit_app.render.pyrender_parts.platforms.pyglet_platform import PygletPlatform
 
     return PygletPlatform
 

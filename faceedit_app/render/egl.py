@@ -10,10 +10,7 @@ from typing import Any
 
 from OpenGL import EGL
 
-from faceedit_app.render.lazy import lazily
-
-with lazily("pyrender"):
-    from pyrender.platforms.egl import EGLPlatform
+from faceedit_app.render.pyrender_parts.platforms.egl import EGLPlatform
 
 
 class SharedDisplayEgl(EGLPlatform):  # type: ignore[misc]  # pyrender has no types

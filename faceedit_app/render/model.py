@@ -19,7 +19,6 @@ from faceedit_app.render.pyrender_parts import (
     FLOAT_SZ,
     GLTF,
     Material,
-    Mesh,
     MetallicRoughnessMaterial,
     Primitive,
     Texture,
@@ -97,7 +96,17 @@ class LivePrimitive(Primitive):  # type: ignore[misc]  # pyrender has no types
         self._unbind()
 
 
-class LiveMesh(Mesh):  # type: ignore[misc]  # pyrender has no types
+class Mesh:
+    """Primitives that are drawn together: what pyrender's renderer asks of a mesh.
+
+    pyrender's own can be made from trimesh's, and imports all of it for that.
+    """
+
+    def __init__(self, primitives: Sequence[Primitive]) -> None:
+        self.primitives = primitives
+
+
+class LiveMesh(Mesh):
     """Faces of the character with movable vertices, in one primitive for each material.
 
     Args:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from faceedit_app.render.lazy import lazily
-
-with lazily("pyrender"):
-    from pyrender.platforms.osmesa import OSMesaPlatform
+from faceedit_app.render.pyrender_parts.platforms.osmesa import OSMesaPlatform
 
 
 class OSMesaWithFramebuffers(OSMesaPlatform):  # type: ignore[misc]  # pyrender has no types

@@ -9,8 +9,9 @@ from OpenGL import GL
 
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.render.hollows import Hollows
+from faceedit_app.render.model import Mesh
 from faceedit_app.render.programs import Program
-from faceedit_app.render.pyrender_parts import Camera, Material, Mesh, Renderer
+from faceedit_app.render.pyrender_parts import Camera, Material, Renderer
 from faceedit_app.render.surface import Shading
 from faceedit_app.render.targets import Target
 

@@ -14,11 +14,10 @@ from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.rig import Rig
 from faceedit_app.render import contexts
 from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, Camera, field_of_view
-from faceedit_app.render.model import DEPTH, LiveMesh, Model
+from faceedit_app.render.model import DEPTH, LiveMesh, Mesh, Model
 from faceedit_app.render.painter import Order, Painter, Stage
 from faceedit_app.render.pyrender_parts import (
     Material,
-    Mesh,
     OffscreenRenderer,
     OrthographicCamera,
     PerspectiveCamera,

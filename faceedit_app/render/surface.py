@@ -7,10 +7,10 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from faceedit_app.core.arrays import Floats, Indices
 from faceedit_app.core.rig import Material, Rig
-from faceedit_app.render.sums import GroupSums
 
 
 class Shading(Enum):
@@ -194,18 +194,23 @@ class NormalSolver:
             used = is_wanted[owned].any(axis=1)
             faces, owned = faces[used], owned[used]
         corners = owned.ravel()
-        owners = np.repeat(np.arange(len(faces), dtype=np.int32), 3)
-        self._sums = GroupSums(corners, owners, owners_count, rows)
+        # A matrix of ones in compressed rows, each with its faces in order, so that the bits of
+        # a sum do not depend on which vertices are wanted.
+        ends = np.cumsum(np.bincount(corners, minlength=owners_count), dtype=np.int32)
+        owners = (np.argsort(corners, kind="stable") // 3).astype(np.int32)
+        ones = np.ones(len(owners), np.float32)
+        sums = csr_matrix((ones, owners, np.append(np.int32(0), ends)), (owners_count, len(faces)))
+        self._sums = sums if rows is None else sums[rows]
         self._corners = np.ascontiguousarray(faces.T, np.intp)
 
     def __call__(self, vertices: Floats) -> Floats:
         """(V, 3) float32 vertices -> (N, 3) float32 unit normals; zero without faces."""
         corners = np.take(np.ascontiguousarray(vertices.T), self._corners, axis=1)  # (3, 3, F)
         u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        normals = np.zeros((3, len(self._sums)), np.float32)
+        normals = np.empty((3, self._sums.shape[0]), np.float32)
         for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             # The cross product; its length is twice the area.
-            self._sums.add_to(normals[x], u[y] * v[z] - u[z] * v[y])
+            normals[x] = self._sums @ (u[y] * v[z] - u[z] * v[y])
         lengths = np.sqrt((normals * normals).sum(axis=0))
         normals /= np.maximum(lengths, np.float32(1e-20))
         return np.ascontiguousarray(normals.T)

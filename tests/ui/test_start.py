@@ -58,7 +58,7 @@ window = MainWindow(Preferences(QSettings(tempfile.mktemp(), QSettings.Format.In
 window.after_first_paint(app.quit)
 window.show()
 app.exec()
-heavy = {"torch", "scipy", "pyrender", "OpenGL", "pyqtgraph", "pygltflib"}
+heavy = {"torch", "scipy", "OpenGL", "pyqtgraph", "pygltflib"}
 print(sorted(heavy & set(sys.modules)))
 """
     assert run_python(code).stdout.strip() == "[]"
