@@ -86,8 +86,6 @@ class RangeFields(QWidget):
         box.setAccessibleName(name)
         box.setFont(style.scaled_font(self, _SIZE))
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        # Enter returns the focus to the curves.
-        box.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
 
     @property
     def _in_frames(self) -> bool:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QMouseEvent
-from PySide6.QtWidgets import QApplication, QSlider, QWidget
+from PySide6.QtWidgets import QSlider
 
 
 class GestureSlider(QSlider):
     """A horizontal slider that reports where each gesture ends.
 
-    A click does not take the focus, so that the arrows still move the playhead. For the same reason
-    a click elsewhere in the window takes it away from a slider that was reached by Tab.
+    A click does not take the focus, so that the arrows still move the playhead.
 
     Signals:
         dragged(int): the handle moved and is still held; `sliderReleased` ends the drag.
@@ -56,28 +55,9 @@ class GestureSlider(QSlider):
         self._is_dropped = False
         super().mouseReleaseEvent(event)
 
-    def focusInEvent(self, event: QFocusEvent) -> None:
-        """Watch for a click elsewhere, while the keys belong to the slider."""
-        super().focusInEvent(event)
-        if (application := QApplication.instance()) is not None:
-            application.installEventFilter(self)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Give the keys to the window when something else in it is clicked."""
-        if (
-            event.type() == QEvent.Type.MouseButtonPress
-            and isinstance(watched, QWidget)
-            and watched is not self
-            and watched.window() is self.window()
-        ):
-            self.window().setFocus(Qt.FocusReason.MouseFocusReason)
-        return super().eventFilter(watched, event)
-
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """The focus is lost."""
         super().focusOutEvent(event)
-        if (application := QApplication.instance()) is not None:
-            application.removeEventFilter(self)
         self.left.emit()
 
     def leaveEvent(self, event: QEvent) -> None:

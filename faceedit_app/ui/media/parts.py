@@ -36,8 +36,6 @@ class OffsetBox(NumberBox):
             "A film and its own sound move together."
         )
         self.lineEdit().setAcceptDrops(False)  # dropped files go to the window
-        # Enter returns the focus to the curves.
-        self.lineEdit().returnPressed.connect(lambda: self.window().setFocus())
 
     def textFromValue(self, value: float) -> str:
         """The number with its sign."""

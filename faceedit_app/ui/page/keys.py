@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.ui.page.keys_back import ENTER, KeysBack
 from faceedit_app.ui.page.time_entry import TimeEntry
 
 GLANCE = Qt.Key.Key_B
@@ -35,6 +36,9 @@ class KeyArbiter(QObject):
     a focused slider, choice or list, and the playhead otherwise; holding B shows the tracked
     face.
 
+    Attributes:
+        back: gives the keys back to the curves.
+
     Signals:
         glancing(bool): B was pressed or released.
     """
@@ -45,6 +49,7 @@ class KeyArbiter(QObject):
         super().__init__(window)
         self._window = window
         self._held = False
+        self.back = KeysBack(window)
         window.installEventFilter(self)
         app = QApplication.instance()
         assert isinstance(app, QApplication)
@@ -75,7 +80,7 @@ class KeyArbiter(QObject):
             event.ignore()  # consumed unaccepted, so that the shortcut gets it
             return True
         adjusts = isinstance(focus, QAbstractSlider | QComboBox | QAbstractItemView)
-        steps = isinstance(focus, QAbstractSpinBox) and event.key() in _STEPPING
+        steps = isinstance(focus, QAbstractSpinBox) and event.key() in (*_STEPPING, *ENTER)
         if plain and (steps or (adjusts and event.key() in _ADJUSTING)):
             event.accept()  # for the widget, not a shortcut
             return True

@@ -196,6 +196,7 @@ class MainWindow(WindowBase):
             self._pages,
         )
         self._pages.addWidget(page)
+        self.keys.back.home = page.curves
         self._preferences.restore_panes(page.panes, page.side)
         page.problems.picked.connect(self.commands.fix.go_to)
         page.hints.closed.connect(page.curves.setFocus)

@@ -1,0 +1,117 @@
+"""After the mouse or Enter, the keys are the curves' again; Tab leaves them where it goes."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QLineEdit,
+    QScrollBar,
+    QWidget,
+)
+from support.films import make_wav
+from support.media import FakeOutput, with_media
+from support.waiting import run_events
+from support.windows import Bench, add_edit, editor_of, session_of, trigger
+
+from faceedit_app.ui.start.window import MainWindow
+
+LEFT = Qt.MouseButton.LeftButton
+Taking = QAbstractSlider | QAbstractSpinBox | QComboBox | QLineEdit | QAbstractItemView
+
+
+@pytest.fixture
+def window(bench: Bench, devices: list[FakeOutput]) -> MainWindow:
+    """With all that can take keys: an edit, a sound, the channels, the Smooth tool."""
+    window = with_media(bench, make_wav(bench.folder / "voice.wav"))
+    add_edit(window)
+    editor_of(window).edits.select(0)
+    trigger(window, "tool_smooth")
+    trigger(window, "all_channels")
+    window.activateWindow()
+    run_events()
+    return window
+
+
+def all_taking(window: MainWindow) -> list[QWidget]:
+    """What would keep keys to itself if it had the focus."""
+    return [
+        widget
+        for widget in window.findChildren(QWidget)
+        if isinstance(widget, Taking)
+        and not isinstance(widget, QScrollBar)
+        and widget.focusPolicy() != Qt.FocusPolicy.NoFocus
+        and widget.focusProxy() is None
+        and widget.isVisible()
+        and widget.isEnabled()
+        and widget.window() is window
+    ]
+
+
+def home_has_keys(window: MainWindow) -> bool:
+    return QApplication.focusWidget() is editor_of(window).curves
+
+
+def test_the_mouse_leaves_the_keys_to_the_curves(window: MainWindow) -> None:
+    face, found = editor_of(window).face.viewport, all_taking(window)
+    kinds = {kind for kind in Taking.__args__ if any(isinstance(each, kind) for each in found)}
+    assert kinds == set(Taking.__args__), "each kind is there"
+    for widget in found:
+        widget.setFocus(Qt.FocusReason.TabFocusReason)
+        assert widget.hasFocus(), widget
+        QTest.mouseClick(face, LEFT, pos=QPoint(60, 90))
+        assert home_has_keys(window), (widget, widget.accessibleName())
+    used = [w for w in found if isinstance(w, QAbstractSlider | QAbstractSpinBox)]
+    assert len(used) > 5
+    for widget in used:
+        is_slider = isinstance(widget, QAbstractSlider)
+        place = widget.rect().center() if is_slider else QPoint(widget.width() - 5, 5)
+        for before in (editor_of(window).curves, widget):
+            before.setFocus(Qt.FocusReason.TabFocusReason)
+            QTest.mouseClick(widget, LEFT, pos=place)
+            assert home_has_keys(window), (widget, widget.accessibleName())
+
+
+def test_enter_in_a_number_field_takes_the_number_and_leaves_it(window: MainWindow) -> None:
+    fields = [widget for widget in all_taking(window) if isinstance(widget, QAbstractSpinBox)]
+    assert len(fields) > 4
+    for field in fields:
+        field.setFocus(Qt.FocusReason.TabFocusReason)
+        QTest.keyClick(field, Qt.Key.Key_Up)
+        assert field.hasFocus()
+        QTest.keyClick(field, Qt.Key.Key_Return)
+        assert home_has_keys(window), field.accessibleName()
+    fade = editor_of(window).curves.fields.fade_in
+    fade.setFocus()
+    fade.selectAll()
+    QTest.keyClicks(fade, "0.4")
+    QTest.keyClick(fade, Qt.Key.Key_Enter)
+    assert window.timeline.falloff == pytest.approx(0.4)
+    session, count = session_of(window), len(session_of(window).edits)
+    editor_of(window).proposal.offer("A proposal", [session.edits[0]], "Fix")
+    fade.setFocus()
+    QTest.keyClick(fade, Qt.Key.Key_Return)
+    assert len(session.edits) == count, "it is no answer to a proposal"
+
+
+def test_who_goes_by_tab_keeps_the_keys_and_a_click_into_a_text_is_meant(
+    window: MainWindow,
+) -> None:
+    slider = editor_of(window).settings_bar.exactness
+    slider.setFocus(Qt.FocusReason.TabFocusReason)
+    for _ in range(3):
+        QTest.keyClick(slider, Qt.Key.Key_Left)
+        assert slider.hasFocus()
+    assert slider.value() == 47
+    editor = editor_of(window)
+    assert editor.channels is not None
+    search, rows = editor.channels.search, editor.channels.list
+    for widget, pressed in ((search, search), (rows, rows.viewport())):
+        QTest.mouseClick(pressed, LEFT, pos=pressed.rect().center())
+        assert widget.hasFocus(), QApplication.focusWidget()
