@@ -9,8 +9,10 @@ from support.sessions import demo_take, session_by_networks, shipped_engine
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.solving.chunks import ChunkTask
 from faceedit_app.editing.solving.last_layer import LastLayer
 from faceedit_app.editing.solving.residual import Residuals, exchange, kept
+from faceedit_app.editing.solving.start import Start
 
 MIRROR = np.array([0, 2, 1])  # of three curves, and of three channels
 
@@ -102,6 +104,27 @@ def test_residuals_are_measured_once_for_each_place() -> None:
     residuals.exchange(None, layer, lacking, seen, far)
     assert len(measured) == 2
     assert not residuals.exchange(key, layer, lacking, seen, np.zeros_like(seen)).any()
+
+
+def test_residuals_have_the_same_bits_whatever_was_asked_for_before() -> None:
+    session = session_by_networks(demo_take(), shipped_engine())
+    solver = session._solver
+    networks, settings, regions = solver._regions._networks, session.state.settings, ("lower",)
+
+    def exchanged(first: int) -> Doubles:
+        near = first, len(solver.tracked)
+        curves = solver.controls[first:].astype(np.float64, order="F")
+        start = Start(solver.tracked[first:], curves, as_tracked=True)
+        task = ChunkTask(1, near, settings, (), ())
+        begun = networks.begin(task, regions, start, np.full_like(curves, 9.0))
+        return begun.exchanges["lower"]
+
+    # A smooth reads more frames around a chunk, whose sums are then rounded in another way.
+    near, far = solver.chunks.slice(1).start - 100, 0
+    fresh = exchanged(far)
+    networks._residuals = Residuals()
+    assert (exchanged(near) != fresh).any()
+    np.testing.assert_array_equal(exchanged(far), fresh)
 
 
 @pytest.mark.parametrize("mm", [0.2, 0.5])

@@ -122,7 +122,8 @@ class NetworkAnswers:
         for name in heard:
             part, layer = self._parts[name], self.last_layer(name, settings)
             if layer is not None and len(part.own):
-                key = (task.chunk, name, naturalness) if begin.as_tracked else None
+                # Sums over other frames near it are rounded in another way.
+                key = (task.chunk, task.near, name, naturalness) if begin.as_tracked else None
                 lacking = partial(_lacking, part, to_grid, begin, begun.unedited[name])
                 curves, by = on_grid[:, part.layer_columns], moved[:, part.layer_columns]
                 begun.exchanges[name] = self._residuals.exchange(key, layer, lacking, curves, by)

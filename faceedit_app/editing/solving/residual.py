@@ -13,7 +13,7 @@ the curves, then along time, with a Gaussian and an exponential as correlation.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import lru_cache
 
 import numpy as np
@@ -43,7 +43,7 @@ class Residuals:
 
     def exchange(
         self,
-        key: tuple[int, str, float] | None,
+        key: Hashable | None,
         layer: LastLayer,
         lacking: Callable[[], Doubles],
         curves: Doubles,
@@ -52,7 +52,7 @@ class Residuals:
         """(M, K) what a request adds to the answer to a chunk, on the grid.
 
         Args:
-            key: chunk, region and naturalness; None if the take has fills, which may change.
+            key: what `lacking` and `curves` depend on; None if that may change, as fills do.
             layer: the take's own last layer.
             lacking: (M, K) the tracked weights less the networks' answer to their curves.
             curves: (M, C) mm, as tracked.
