@@ -48,7 +48,14 @@ def test_what_is_no_number_changes_nothing(qtbot: QtBot) -> None:
     box = NumberBox()
     qtbot.addWidget(box)
     box.setValue(1.5)
-    assert type_into(box, "abc") == 1.5
+    for wrong in ("abc", "1.234,5", "1e2", "0x1", "-1", "100"):
+        assert type_into(box, wrong) == 1.5
+        assert box.text() == wrong, "it stays"
+        assert box.property("refused")
+    QTest.keyClick(box, Qt.Key.Key_Escape)
+    assert (box.text(), box.value()) == ("1.50", 1.5)
+    assert not box.property("refused")
+    assert type_into(box, "0.126") == 0.13, "more digits are rounded"
 
 
 @pytest.mark.usefixtures("language")

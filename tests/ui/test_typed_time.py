@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QToolTip
 from support.faces import talking_clip
 from support.windows import Bench
 
 from faceedit_app.core.clip import Clip
+from faceedit_app.ui.look.refused import reason_in
 from faceedit_app.ui.page.time_entry import TimeEntry
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.time_display import Unit, label, times
@@ -192,8 +192,10 @@ def test_bad_input_is_refused_and_can_be_corrected(window: MainWindow) -> None:
         assert window.timeline.frame == 42
         assert entry.isVisible()
         assert entry.property("refused")
-        assert entry.accessibleDescription() == QToolTip.text()
-        assert QToolTip.text().startswith(("Type seconds", "The take ends at"))
+        reason = reason_in(window)
+        assert reason is not None
+        assert entry.accessibleDescription() == reason.text()
+        assert reason.text().startswith(("Type seconds", "The take ends at"))
         QTest.keyClick(entry, Qt.Key.Key_Escape)
         assert not entry.isVisible()
         assert window.timeline.selection == (0.5, 1.0), "Esc was the field's"

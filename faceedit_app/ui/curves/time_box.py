@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from PySide6.QtGui import QValidator
-
 from faceedit_app.core.clip import Clip
 from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.state.time_display import Unit, label
@@ -39,14 +37,22 @@ class TimeBox(NumberBox):
             return super().valueFromText(text)
         if text == self.specialValueText():
             return self.minimum()
-        return typed_frame(clip, text, Unit.TIMECODE, self._timeline.frame) + 1.0
-
-    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
-        """Whether it is a time of the take."""
-        if self._clip is None:
-            return super().validate(text, position)
         try:
-            self.valueFromText(text)
+            return typed_frame(clip, text, Unit.TIMECODE, self._timeline.frame) + 1.0
         except ValueError:
-            return QValidator.State.Intermediate, text, position
-        return QValidator.State.Acceptable, text, position
+            return self.value()
+
+    def why_not(self, text: str) -> str:
+        """Why a text is no time of the take; "" if it is one."""
+        line = self._timeline
+        if line.clip is None:
+            return super().why_not(text)
+        if self._clip is None:
+            number = self.number_in(text)
+            if number is not None and number >= 0:
+                return ""  # what lies beyond the take means its end
+        try:
+            typed_frame(line.clip, text, line.display.unit, line.frame)
+        except ValueError as error:
+            return str(error)
+        return "" if self._clip is not None else "Type a number, such as 4.5"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
-from functools import partial
 
 from PySide6.QtCore import (
     QAbstractItemModel,
@@ -13,22 +13,19 @@ from PySide6.QtCore import (
     QRectF,
     QSize,
     Qt,
-    QTimer,
 )
 from PySide6.QtGui import QColor, QFontMetrics, QMouseEvent, QPainter, QPainterPath, QPen, QPolygonF
 from PySide6.QtWidgets import (
     QLineEdit,
-    QSpinBox,
     QStyle,
-    QStyledItemDelegate,
     QStyleOptionViewItem,
-    QToolTip,
     QWidget,
 )
 
 from faceedit_app.ui.edits.model import COLUMNS, GROUP, RANGE, STRENGTH, EditsModel
 from faceedit_app.ui.look.guard import guarded, saved
 from faceedit_app.ui.look.model_index import Index
+from faceedit_app.ui.look.number import NumberBox, NumberDelegate
 from faceedit_app.ui.look.palette import (
     ACCENT,
     ACCENT_DEEP,
@@ -40,6 +37,7 @@ from faceedit_app.ui.look.palette import (
     RAISED,
     TEXT,
 )
+from faceedit_app.ui.look.refused import show_refused
 
 STRONGEST = 150  # per cent
 ROW = 25
@@ -61,7 +59,40 @@ class RowField(Enum):
     STRENGTH = "strength"
 
 
-class EditsDelegate(QStyledItemDelegate):
+class _RangeField(QLineEdit):
+    """A field for the range of an edit.
+
+    Args:
+        read: the range that a text means, seconds; raises ValueError with the reason.
+    """
+
+    def __init__(self, parent: QWidget, read: Callable[[str], tuple[float, float]]) -> None:
+        super().__init__(parent)
+        self._read = read
+        self.setAccessibleName("Range")
+        self.textEdited.connect(lambda: show_refused(self, ""))
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The range that was typed, seconds.
+
+        Raises:
+            ValueError: it is none.
+        """
+        return self._read(self.text())
+
+    def refuses(self) -> bool:
+        """Whether what is typed cannot be taken; the reason is shown then."""
+        try:
+            self._read(self.text())
+        except ValueError as error:
+            show_refused(self, str(error))
+            self.selectAll()
+            return True
+        return False
+
+
+class EditsDelegate(NumberDelegate):
     """Paints rows, and handles clicks on their switches.
 
     Attributes:
@@ -199,17 +230,28 @@ class EditsDelegate(QStyledItemDelegate):
     def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
         """A number field for the strength, a text field for name and range."""
         if self.edits is RowField.STRENGTH:
-            box = QSpinBox(parent, maximum=STRONGEST, suffix=" %")
+            box = NumberBox(parent)
+            box.setDecimals(0)
+            box.setMaximum(STRONGEST)
+            box.setSuffix(" %")
             box.setAccessibleName("Strength")
             return box
-        field = QLineEdit(parent)
-        field.setAccessibleName("Range" if self.edits is RowField.RANGE else "Name")
-        return field
+        if self.edits is RowField.NAME:
+            name = QLineEdit(parent)
+            name.setAccessibleName("Name")
+            return name
+        model, edit = index.model(), index.data(Qt.ItemDataRole.UserRole)
+        assert isinstance(model, EditsModel)
+        return _RangeField(parent, lambda text: model.typed_range(text, edit))
+
+    def refuses(self, editor: QWidget) -> bool:
+        """Whether what is typed into a field cannot be taken; the reason is shown then."""
+        return editor.refuses() if isinstance(editor, _RangeField) else super().refuses(editor)
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
         """Fill the field."""
         model, edit = index.model(), index.data(Qt.ItemDataRole.UserRole)
-        if isinstance(editor, QSpinBox):
+        if isinstance(editor, NumberBox):
             editor.setValue(round(100 * edit.strength))
         elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
             is_range = self.edits is RowField.RANGE
@@ -217,24 +259,20 @@ class EditsDelegate(QStyledItemDelegate):
             editor.selectAll()
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
-        """Take what was typed; of a range that cannot be read, say why."""
+        """Take what was typed, unless it cannot be."""
         place = model.index(index.row(), 0)
-        if isinstance(editor, QSpinBox):
-            model.setData(place, editor.value() / 100, STRENGTH)
-        elif isinstance(editor, QLineEdit) and self.edits is RowField.NAME:
-            model.setData(place, editor.text())
-        elif isinstance(editor, QLineEdit) and isinstance(model, EditsModel):
-            edit = index.data(Qt.ItemDataRole.UserRole)
-            try:
-                typed = model.typed_range(editor.text(), edit)
-            except ValueError as error:
-                under, list_ = editor.mapToGlobal(editor.rect().bottomLeft()), editor.parentWidget()
-                assert list_ is not None
-                show = partial(QToolTip.showText, under, str(error), list_)
-                QTimer.singleShot(0, list_, show)  # closing the field hides tooltips
-                return
+        if self.refuses(editor):
+            return
+        edit = index.data(Qt.ItemDataRole.UserRole)
+        if isinstance(editor, NumberBox):
+            if editor.value() != round(100 * edit.strength):  # which may have more digits
+                model.setData(place, editor.value() / 100, STRENGTH)
+        elif isinstance(editor, _RangeField):
+            typed = editor.range
             if typed != (edit.start, edit.end):
                 model.setData(place, typed, RANGE)
+        elif isinstance(editor, QLineEdit):
+            model.setData(place, editor.text())
 
     def updateEditorGeometry(
         self, editor: QWidget, option: QStyleOptionViewItem, index: Index

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QDialog, QWidget
 
+from faceedit_app.ui.look.number import may_accept
 from faceedit_app.ui.state.document import Document
 
 
@@ -26,6 +27,11 @@ class PreviewDialog(QDialog):
     def preview(self) -> None:
         """Show the take with the edits that the dialog asks for."""
         raise NotImplementedError
+
+    def accept(self) -> None:
+        """Close, if all numbers can be taken."""
+        if may_accept(self):
+            super().accept()
 
     def event(self, event: QEvent) -> bool:
         """Preview again when the user returns from the window."""

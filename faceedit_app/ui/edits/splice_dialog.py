@@ -14,7 +14,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.look.number import NumberBox, may_accept
 from faceedit_app.ui.look.texts import plain_label
 
 _WIDTH = 400  # pixels of the text
@@ -82,6 +82,8 @@ class SpliceDialog(QDialog):
         column.addWidget(buttons)
 
     def accept(self) -> None:
-        """Close, and write."""
+        """Close, and write, if the time can be taken."""
+        if not may_accept(self):
+            return
         super().accept()
         self._make(self.number.value() / self._per_second, self.film.isChecked())

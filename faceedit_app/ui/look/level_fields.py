@@ -8,11 +8,11 @@ from PySide6.QtCore import (
     QSignalBlocker,
     Qt,
 )
-from PySide6.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem, QWidget
+from PySide6.QtWidgets import QStyleOptionViewItem, QWidget
 
 from faceedit_app.core.levels import STRONGEST_LEVEL, Level
 from faceedit_app.ui.look.model_index import Index
-from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.look.number import NumberBox, NumberDelegate
 
 LEVEL_HEADS = ("Multiplier", "Offset", "Soft limit")
 LEVEL_TIPS = (
@@ -32,7 +32,7 @@ def changed_level(level: Level, place: int, value: float) -> Level:
     return numbers[0], numbers[1], numbers[2]
 
 
-class LevelDelegate(QStyledItemDelegate):
+class LevelDelegate(NumberDelegate):
     """Edits one of the three numbers of a level.
 
     Args:
@@ -67,6 +67,6 @@ class LevelDelegate(QStyledItemDelegate):
 
     def setModelData(self, editor: QWidget, model: QAbstractItemModel, index: Index) -> None:
         """Take the number."""
-        if isinstance(editor, NumberBox):
+        if isinstance(editor, NumberBox) and not self.refuses(editor):
             editor.interpretText()
             model.setData(index, editor.value(), Qt.ItemDataRole.EditRole)

@@ -140,7 +140,13 @@ QLineEdit {{
 }}
 QLineEdit:focus {{ border-color: {ACCENT}; }}
 QDialog QLineEdit, QLineEdit#find_word, QLineEdit#search {{ min-height: 20px; }}
-QLineEdit[refused="true"] {{ border-color: {ORANGE}; color: {ORANGE}; }}
+QLineEdit[refused="true"], QAbstractSpinBox[refused="true"] {{
+    border-color: {ORANGE}; color: {ORANGE};
+}}
+QLabel#reason {{
+    background: {PANEL}; color: {ORANGE}; border: 1px solid {ORANGE}; border-radius: 3px;
+    padding: 2px 6px;
+}}
 
 QTabWidget::pane {{ border: none; }}
 QTabBar {{ background: {BACKGROUND}; }}

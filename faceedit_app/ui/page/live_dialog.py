@@ -8,12 +8,12 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QFormLayout,
     QLineEdit,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
 
 from faceedit_app.live.protocols import LOOPBACK, PROTOCOLS, Protocol, own_address
+from faceedit_app.ui.look.number import NumberBox, may_accept
 from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.look.widgets import Choice
 
@@ -51,7 +51,8 @@ class _AddressDialog(QDialog):
         label, address = place
         self.address = QLineEdit(address)
         self.form.addRow(label, self.address)
-        self.port_box = QSpinBox()
+        self.port_box = NumberBox()
+        self.port_box.setDecimals(0)
         self.port_box.setRange(1, 65535)
         self.form.addRow("P&ort", self.port_box)
         column.addLayout(self.form)
@@ -72,7 +73,12 @@ class _AddressDialog(QDialog):
     @property
     def chosen(self) -> tuple[Protocol, str, int]:
         """Protocol, address and port."""
-        return self.protocol, self.address.text().strip(), self.port_box.value()
+        return self.protocol, self.address.text().strip(), int(self.port_box.value())
+
+    def accept(self) -> None:
+        """Close, if the port can be taken."""
+        if may_accept(self):
+            super().accept()
 
     def _show_protocol(self) -> None:
         self.port_box.setValue(self.protocol.port)

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.formats.rates import COMMON_RATES, exact_rate
 from faceedit_app.formats.timing import counted, format_rate, format_time
-from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.look.number import NumberBox, may_accept
 from faceedit_app.ui.look.texts import plain_label
 
 _LOWEST, _HIGHEST = 1.0, 1000.0
@@ -62,6 +62,11 @@ class RateDialog(QDialog):
     def rate(self) -> float:
         """The chosen rate."""
         return exact_rate(self.spin.value())
+
+    def accept(self) -> None:
+        """Close, if the number can be taken."""
+        if may_accept(self):
+            super().accept()
 
     def _common_rates(self) -> QHBoxLayout:
         row = QHBoxLayout()

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QPoint, Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent
-from PySide6.QtWidgets import QLineEdit, QToolTip, QWidget
+from PySide6.QtWidgets import QLineEdit, QWidget
+
+from faceedit_app.ui.look.refused import show_refused
 
 
 class TimeEntry(QLineEdit):
@@ -24,7 +26,7 @@ class TimeEntry(QLineEdit):
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.setAcceptDrops(False)  # dropped files go to the window
         self.returnPressed.connect(self._try)
-        self.textEdited.connect(lambda: self._show_refused(False))
+        self.textEdited.connect(lambda: self._show_refused(""))
         self.hide()
 
     def begin(self, over: QWidget, text: str, name: str, go: Callable[[str], None]) -> None:
@@ -37,7 +39,7 @@ class TimeEntry(QLineEdit):
         """
         self._go = go
         self.setAccessibleName(name)
-        self._show_refused(False)
+        self._show_refused("")
         wide = self.fontMetrics().horizontalAdvance(text) + 24
         place = over.geometry().adjusted(min(over.width() - wide, -4), -2, 4, 2)
         self.setGeometry(place)
@@ -52,20 +54,13 @@ class TimeEntry(QLineEdit):
         try:
             self._go(self.text())
         except ValueError as error:
-            self._show_refused(True)
+            self._show_refused(str(error))
             self.selectAll()
-            above = self.mapToGlobal(QPoint(0, -2 * self.height()))
-            QToolTip.showText(above, str(error), self)
-            self.setAccessibleDescription(str(error))
             return
         self._end()
 
-    def _show_refused(self, refused: bool) -> None:
-        self.setProperty("refused", refused)
-        self.style().unpolish(self)
-        self.style().polish(self)
-        if not refused:
-            self.setAccessibleDescription("Enter goes there, Esc cancels")
+    def _show_refused(self, reason: str) -> None:
+        show_refused(self, reason, "Enter goes there, Esc cancels")
 
     def _end(self) -> None:
         self.hide()

@@ -1,0 +1,149 @@
+"""What is typed wrongly into any field stays, with the reason beside it, and changes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDialog, QLineEdit, QWidget
+from pytestqt.qtbot import QtBot
+from support.films import make_wav
+from support.media import with_media
+from support.waiting import run_events
+from support.windows import Bench, add_edit, editor_of, session_of
+
+import faceedit_app.ui
+from faceedit_app.ui.edits.splice_dialog import SpliceDialog
+from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.look.refused import reason_in
+from faceedit_app.ui.page.live_dialog import LiveDialog, RecordDialog
+from faceedit_app.ui.page.rate_dialog import RateDialog
+
+WRONG = "x,,z"
+
+
+def reason(widget: QWidget) -> str:
+    shown = reason_in(widget.window())
+    return shown.text() if shown is not None and not shown.isHidden() else ""
+
+
+def type_wrongly(field: QWidget) -> None:
+    field.setFocus()
+    if isinstance(field, NumberBox | QLineEdit):
+        field.selectAll()
+    QTest.keyClicks(field, WRONG)
+    QTest.keyClick(field, Qt.Key.Key_Return)
+
+
+def test_every_number_of_the_window_keeps_what_is_no_number(bench: Bench) -> None:
+    window = with_media(bench, make_wav(bench.folder / "sound.wav", 3.0))
+    add_edit(window)
+    window.actions_["all_channels"].trigger()
+    window.timeline.select((0.5, 1.0))
+    boxes = [box for box in window.findChildren(NumberBox) if box.isVisible()]
+    assert len(boxes) > 5
+    session = session_of(window)
+    before, states = [box.value() for box in boxes], session.state
+    for unit in ("frames", "timecode", "seconds"):
+        window.actions_[f"unit_{unit}"].trigger()
+        for box in boxes:
+            value = box.value()
+            type_wrongly(box)
+            assert WRONG in box.text(), box.accessibleName()
+            assert reason(box).startswith(("Type ", "The take ")), box.accessibleName()
+            assert box.accessibleDescription() == reason(box)
+            QTest.keyClick(box, Qt.Key.Key_Escape)
+            assert (box.value(), reason(box)) == (value, ""), (box.accessibleName(), box.text())
+    assert [box.value() for box in boxes] == before
+    assert window.timeline.selection == (0.5, 1.0)
+    assert session.state == states
+
+
+def test_what_is_wrong_stays_when_the_field_is_left(bench: Bench) -> None:
+    window = bench.editing()
+    window.timeline.select((0.5, 1.0))
+    start = editor_of(window).curves.fields.start
+    start.setFocus()
+    start.selectAll()
+    QTest.keyClicks(start, "soon")
+    window.setFocus()
+    assert start.text() == "soon"
+    assert reason(start).startswith("Type seconds")
+    assert window.timeline.selection == (0.5, 1.0)
+    start.setFocus()
+    start.selectAll()
+    QTest.keyClicks(start, "0.75")
+    assert reason(start) == "", "as soon as it is right"
+    QTest.keyClick(start, Qt.Key.Key_Return)
+    assert window.timeline.selection == (0.75, 1.0)
+
+
+@pytest.mark.parametrize("across", [20, 100], ids=["strength", "range"])
+def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int) -> None:
+    window = bench.editing()
+    add_edit(window)
+    list_, session = editor_of(window).edits.list, session_of(window)
+    row = list_.visualRect(list_.model().index(0, 0))
+    place = row.center()
+    place.setX(row.right() - across)
+    QTest.mouseClick(list_.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    QTest.mouseDClick(list_.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    field, edits = QApplication.focusWidget(), session.edits
+    assert isinstance(field, NumberBox | QLineEdit)
+    type_wrongly(field)
+    run_events()
+    assert field.isVisible()
+    assert WRONG in field.text()
+    assert reason(field).startswith("Type ")
+    window.setFocus()
+    run_events()
+    assert field.isVisible()
+    field.setFocus()
+    QTest.keyClick(field, Qt.Key.Key_Escape)
+    run_events()
+    assert reason(window) == ""
+    assert session.edits == edits
+
+
+DIALOGS: dict[str, Callable[[QWidget], QDialog]] = {
+    "rate": lambda parent: RateDialog(parent, "What is its frame rate?", 90, 30.0),
+    "live": LiveDialog,
+    "record": RecordDialog,
+    "splice": lambda parent: SpliceDialog(
+        parent, "Insert", "", (0.5, 9.0), ("s", 1.0), (), lambda _seconds, _film: None
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DIALOGS)
+def test_a_dialog_goes_on_only_with_numbers(name: str, qtbot: QtBot) -> None:
+    parent = QWidget()
+    qtbot.addWidget(parent)
+    dialog = DIALOGS[name](parent)
+    dialog.show()
+    (box,) = dialog.findChildren(NumberBox)
+    for wrong in (WRONG, "999999"):
+        box.selectAll()
+        QTest.keyClicks(box, wrong)
+        dialog.accept()
+        assert dialog.isVisible()
+        assert wrong in box.text()
+        assert " from " in reason(box)
+    QTest.keyClick(box, Qt.Key.Key_Escape)
+    assert dialog.isVisible(), "Esc was the field's"
+    dialog.accept()
+    assert not dialog.isVisible()
+
+
+def test_all_numbers_are_typed_into_such_fields() -> None:
+    home = Path(faceedit_app.ui.__file__).parent
+    qt_own = ("QSpinBox(", "QDoubleSpinBox(", "QStyledItemDelegate)")
+    found = {
+        path.name
+        for path in home.rglob("*.py")
+        if any(name in path.read_text(encoding="utf-8") for name in qt_own)
+    }
+    assert found <= {"number.py", "problems_list.py", "shape_table.py"}
