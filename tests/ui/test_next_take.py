@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import QEvent, QObject
 from support.takes import make_livelink_csv
 from support.windows import Bench, open_path, session_of, trigger
 
@@ -120,6 +121,32 @@ def test_a_take_that_loads_slowly_clears_the_old_one_and_shows_that_it_loads(
         may_go_on.set()
     bench.qtbot.waitUntil(page.isVisible)
     assert open_path(window) == other
+
+
+def test_the_title_changes_with_curves_and_face(
+    bench: Bench, window: MainWindow, other: Path
+) -> None:
+    page, seen = window.editor, list[str]()
+    assert page is not None
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            if event.type() == QEvent.Type.Paint and open_path(window) == other:
+                seen.append("face" if watched is page.face.viewport else "curves")
+            return False
+
+    watch = Watch(window)
+    shown = (page.face.viewport, page.curves.plots[0].viewport())
+    for widget in shown:
+        widget.installEventFilter(watch)
+    window.windowTitleChanged.connect(seen.append)
+    window.commands.file.open(other)
+    bench.qtbot.waitUntil(lambda: window.windowTitle().startswith(other.name))
+    before = seen[: seen.index(window.windowTitle())]
+    assert {"face", "curves"} <= {*before}
+    for widget in shown:
+        widget.removeEventFilter(watch)
+    window.windowTitleChanged.disconnect(seen.append)
 
 
 def test_if_it_cannot_be_opened_the_old_one_is_back(

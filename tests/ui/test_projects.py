@@ -61,7 +61,7 @@ def test_a_project_comes_back_as_it_was(bench: Bench) -> None:
     assert line.time == pytest.approx(1.5, abs=0.02)
     assert line.view == pytest.approx((0.5, 2.5), abs=0.02)
     assert not window.isWindowModified()
-    assert window.windowTitle() == "scene.faceedit[*] – FaceEdit"
+    bench.qtbot.waitUntil(lambda: window.windowTitle() == "scene.faceedit[*] – FaceEdit")
     assert [path.name for path in bench.preferences().recent()] == ["scene.faceedit", "take.csv"]
 
 

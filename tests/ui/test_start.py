@@ -229,7 +229,7 @@ def test_open_by_command(bench: Bench) -> None:
     bench.answers["open"] = bench.take
     trigger(window, "open")
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
-    assert window.windowTitle() == "take.csv[*] – FaceEdit"
+    bench.qtbot.waitUntil(lambda: window.windowTitle() == "take.csv[*] – FaceEdit")
     assert "Live Link Face CSV" in window.status.facts.text()
     assert "60 fps" in window.status.facts.text()
     assert "180 frames" in window.status.facts.text()

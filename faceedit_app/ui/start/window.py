@@ -275,6 +275,7 @@ class MainWindow(WindowBase):
     def _show_opened(self) -> None:
         session = self.document.session
         assert session is not None
+        self.hold_title()
         self._warned.clear()
         self.banner.leave_take()
         self.playback.pause()
@@ -299,7 +300,7 @@ class MainWindow(WindowBase):
             )
         if problem := self._preferences.problem():
             self.banner.show_message(problem, problem, lasts=True)
-        self._mark_modified()  # last: the title is shown before the page is painted
+        self._mark_modified()
 
     def _warn_of_lacks(self) -> None:
         """Warn of edits that the take's channels cannot show, while there are any.
@@ -332,7 +333,7 @@ class MainWindow(WindowBase):
     def _mark_modified(self) -> None:
         name = self.document.project or self.document.path
         if name is not None:
-            self.setWindowTitle(f"{name.name}[*] – FaceEdit")
+            self.entitle(f"{name.name}[*] – FaceEdit")
         before, self._journal_note = self._journal_note, self.document.journal_note
         if self._journal_note and self._journal_note != before:
             self.banner.show_message(self._journal_note, self._journal_note, lasts=True)

@@ -29,11 +29,29 @@ class WindowBase(QMainWindow):
         super().__init__()
         self.dropped.connect(self.take_files, Qt.ConnectionType.QueuedConnection)
         self._on_paint: Callable[[], None] | None = None
+        self._title, self._holds_title = "", False
         self.setAcceptDrops(True)
 
     def after_first_paint(self, work: Callable[[], None]) -> None:
         """Call `work` once the window has been painted."""
         self._on_paint = work
+
+    def entitle(self, title: str) -> None:
+        """Show a title, now or once the content that it names has been painted."""
+        self._title = title
+        if not self._holds_title:
+            self.setWindowTitle(title)
+
+    def hold_title(self) -> None:
+        """Other content is about to be shown; its title would be on the screen before it."""
+        if not self._holds_title:
+            self._holds_title = True
+            # After the face is painted, then after the curves: their scenes pass changes on later.
+            QTimer.singleShot(0, self, lambda: QTimer.singleShot(0, self, self._release_title))
+
+    def _release_title(self) -> None:
+        self._holds_title = False
+        self.setWindowTitle(self._title)
 
     def keep_frame_on_screen(self) -> None:
         """Once the window system has added its frame: keep that on the screen, too."""
