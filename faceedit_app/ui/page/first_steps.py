@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -16,8 +17,21 @@ from PySide6.QtGui import (
     QPen,
     QRegion,
 )
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QTabBar,
+    QVBoxLayout,
+    QWidget,
+)
 
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import ACCENT
 from faceedit_app.ui.look.theme import GAP
@@ -26,6 +40,8 @@ _SHADE = 150  # of 255: how dark the rest of the window becomes
 _WIDTH = 380
 _APART = 14  # pixels between the card and its target
 _CHANGES = QEvent.Type.Resize, QEvent.Type.Move, QEvent.Type.Show, QEvent.Type.Hide
+_STEP = 8  # pixels between two places that are tried for the card
+CLICKED = QAbstractButton | QAbstractSpinBox | QAbstractSlider | QComboBox | QTabBar
 
 
 @dataclass(frozen=True)
@@ -43,6 +59,12 @@ class Card:
     text: str
     targets: tuple[QWidget, ...]
     shown: tuple[QWidget, ...] = ()
+
+
+def _stops(first: int, last: int) -> Doubles:
+    """Places from the first to the last, in pixels; only the first if the last lies before it."""
+    steps: Doubles = np.append(np.arange(first, last, _STEP), max(first, last)).astype(np.float64)
+    return steps
 
 
 class HintLayer(QWidget):
@@ -135,7 +157,7 @@ class HintLayer(QWidget):
         self.title.setText(step.title)
         self.text.setText(step.text)
         self.setAccessibleDescription(f"{step.title}. {step.text}")
-        self._count.setText(f"{self.step + 1} of {len(self._steps)}")
+        self._count.setText(f"{self.step + 1} of {len(self._steps)} · Esc: end the tour")
         is_last = self.step + 1 == len(self._steps)
         self.next_button.setText("Start editing" if is_last else "Next")
         self.skip_button.setVisible(not is_last)
@@ -164,28 +186,43 @@ class HintLayer(QWidget):
         return around.intersected(self.rect())
 
     def _place(self, hole: QRect, shown: QRect) -> QPoint:
-        """Beside the hole, else below or above it or what is shown, where the card covers least."""
+        """Near the hole, where the card covers nothing that can be clicked, nor what is explained.
+
+        Where that cannot be had, it covers as little of it as can be.
+        """
         card, room = self.card.size(), self.rect().adjusted(8, 8, -8, -8)
-        middle = hole.center().y() - card.height() // 2
-        right, bottom = room.right() + 1 - card.width(), room.bottom() + 1 - card.height()
+        last = room.right() + 1 - card.width(), room.bottom() + 1 - card.height()
+        x, y = np.meshgrid(_stops(room.left(), last[0]), _stops(room.top(), last[1]))
+        left, top = x.ravel(), y.ravel()
 
-        def covered(place: QPoint) -> int:
-            both = (QRect(place, card) & part for part in (hole, shown))
-            return sum(part.width() * part.height() for part in both if not part.isEmpty())
+        def covered(part: QRect) -> Doubles:
+            wide = np.minimum(left + card.width(), part.right() + 1) - np.maximum(left, part.left())
+            high = np.minimum(top + card.height(), part.bottom() + 1) - np.maximum(top, part.top())
+            area: Doubles = np.maximum(wide, 0) * np.maximum(high, 0) / 1.0
+            return area
 
-        places = [
-            QPoint(hole.right() + _APART, middle),
-            QPoint(hole.left() - _APART - card.width(), middle),
-        ]
+        beyond_x = np.maximum(hole.left() - left - card.width(), left - hole.right() - 1)
+        beyond_y = np.maximum(hole.top() - top - card.height(), top - hole.bottom() - 1)
+        apart = np.hypot(np.maximum(beyond_x, 0), np.maximum(beyond_y, 0))
+        aside = np.hypot(left + card.width() / 2 - hole.center().x(), 0.1 * (top - hole.top()))
+        cost = np.abs(apart - _APART) + 0.1 * aside
         for part in (hole, shown):
-            if not part.isEmpty():
-                places.append(QPoint(part.left(), part.bottom() + _APART))
-                places.append(QPoint(part.left(), part.top() - _APART - card.height()))
-        inside = [
-            QPoint(max(min(place.x(), right), room.left()), max(min(place.y(), bottom), room.top()))
-            for place in places
+            cost = cost + 0.5 * covered(part)
+        for part in self._clickable():
+            cost = cost + 5.0 * covered(part)
+        best = int(cost.argmin())
+        return QPoint(int(left[best]), int(top[best]))
+
+    def _clickable(self) -> list[QRect]:
+        """The places of buttons, fields, sliders and tabs."""
+        return [
+            QRect(part.mapTo(self._parent, QPoint(0, 0)), part.size())
+            for part in self._parent.findChildren(QWidget)
+            if isinstance(part, CLICKED)
+            and part.isVisible()
+            and part.isEnabled()
+            and not self.isAncestorOf(part)
         ]
-        return min(inside, key=covered)
 
     # --- events ------------------------------------------------------------------------------
 
@@ -201,7 +238,7 @@ class HintLayer(QWidget):
         self.forward()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc skips."""
+        """Esc ends the tour."""
         if event.key() == Qt.Key.Key_Escape:
             self.finish()
 
