@@ -68,11 +68,11 @@ def test_the_card_covers_neither_what_it_explains_nor_what_can_be_clicked(bench:
                 both = card & part
                 least = 0.05 * part.width() * part.height()
                 assert both.width() * both.height() <= least, (size, hints.step)
-            for part in page.findChildren(QWidget):
-                if isinstance(part, CLICKED) and part.isVisible() and part.isEnabled():
-                    place = QRect(part.mapTo(page, QPoint()), part.size())
-                    is_own = hints.isAncestorOf(part)
-                    assert is_own or not place.intersects(card), (size, hints.step, part)
+            for widget in page.findChildren(QWidget):
+                if isinstance(widget, CLICKED) and widget.isVisible() and widget.isEnabled():
+                    place = QRect(widget.mapTo(page, QPoint()), widget.size())
+                    is_own = hints.isAncestorOf(widget)
+                    assert is_own or not place.intersects(card), (size, hints.step, widget)
             assert "Esc: end the tour" in hints._count.text()
             hints.forward()
 
