@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu
 from faceedit_app.core.controls import CONTROL_IDS, MAIN_CONTROLS, SIDED_CONTROLS
 from faceedit_app.editing.edits.settings import Mode
 from faceedit_app.formats.timing import counted
+from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.splicing import SpliceCommands
 from faceedit_app.ui.commands.workspace import Workspace
@@ -143,6 +144,8 @@ class EditCommands:
         """Reset the focused curve there."""
         page = self._workspace.page
         control = page.curves.focused_control if page is not None else None
+        if control is None:
+            self._workspace.message.emit("Click the name of the curve to reset first")
         self._reset((control,) if control else ())
 
     def _reset(self, controls: tuple[str, ...]) -> None:
@@ -249,6 +252,12 @@ class EditCommands:
         page = self._workspace.page
         return page is not None and page.edits.current is not None
 
+    def can_move(self, by: int) -> bool:
+        """Whether the selected edit can be moved up (-1) or down (1) the list."""
+        page = self._workspace.page
+        row = page.edits.current if page is not None else None
+        return page is not None and row is not None and 0 <= row + by < len(page.edits.model.edits)
+
     @property
     def selected_edits(self) -> str:
         """`edit`, or how many are selected in the list."""
@@ -306,18 +315,18 @@ TIMING, SELECTED = "&Timing", "Selected e&dit"  # submenus
 # fmt: off
 MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("undo", "&Undo", EditCommands.undo, ("Ctrl+Z",), "Undo the last step", "undo",
-            detail=lambda do: do.undo_name, enabled=lambda do: do.can_undo),
+            detail=lambda do: do.undo_name, enabled=c.CAN_UNDO),
     Command("redo", "&Redo", EditCommands.redo, ("Ctrl+Shift+Z", "Ctrl+Y"),
             "Redo the step that was undone last", "redo", detail=lambda do: do.redo_name,
-            enabled=lambda do: do.can_redo),
+            enabled=c.CAN_REDO),
     Command("history", "&History", fills=EditCommands.fill_history),
     Command("reset_range", "Reset ran&ge", EditCommands.reset_range, ("Ctrl+R",),
             "Go back to the take as tracked, in the selection or around the playhead", "reset",
-            enabled=lambda do: do.has_edits, starts_group=True),
+            enabled=c.HAS_EDITS, starts_group=True),
     Command("reset_curve", "Reset range of this cur&ve", EditCommands.reset_curve,
             ("Ctrl+Shift+R",),
             "Go back to the take as tracked for the focused curve only",
-            enabled=lambda do: do.has_edits),
+            enabled=c.HAS_EDITS),
     Command("copy", "&Copy range", EditCommands.copy, ("Ctrl+C",),
             "Copy what the face does in the selection", starts_group=True),
     Command("copy_changes", "Copy changes on&ly", EditCommands.copy_changes,
@@ -350,21 +359,21 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
     Command("toggle_edit", "Switch edit &on / off",
             lambda do: do.on_list(lambda edits: edits.toggle()), ("E",),
             "Switch the selected edit on or off",
-            enabled=lambda do: do.has_selected_edit, starts_group=True, submenu=SELECTED),
+            enabled=c.HAS_SELECTED_EDIT, starts_group=True, submenu=SELECTED),
     Command("rename_edit", "Re&name edit",
             lambda do: do.on_list(lambda edits: edits.rename()), ("F2",),
             "Rename the selected edit",
-            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
+            enabled=c.HAS_SELECTED_EDIT, submenu=SELECTED),
     Command("edit_up", "Move edit up", lambda do: do.on_list(lambda edits: edits.move_edit(-1)),
             ("Alt+Up",), "Move the selected edit up the list, to apply it earlier",
-            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
+            enabled=c.CAN_MOVE_UP, submenu=SELECTED),
     Command("edit_down", "Move edit down", lambda do: do.on_list(lambda edits: edits.move_edit(1)),
             ("Alt+Down",), "Move the selected edit down the list, to apply it later",
-            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
+            enabled=c.CAN_MOVE_DOWN, submenu=SELECTED),
     Command("delete_edit", "&Delete",
             lambda do: do.on_list(lambda edits: edits.delete()), ("Del",),
             "Delete the selected edits", "trash", detail=lambda do: do.selected_edits,
-            enabled=lambda do: do.has_selected_edit, submenu=SELECTED),
+            enabled=c.HAS_SELECTED_EDIT, submenu=SELECTED),
     Command("select_all", "Select &all", EditCommands.select_all, ("Ctrl+A",),
             "Select the whole take", starts_group=True),
     Command("select_around", "Select around the pla&yhead", EditCommands.select_around,

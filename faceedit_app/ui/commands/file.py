@@ -17,6 +17,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
 from faceedit_app.media import is_film
+from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.character import CharacterCommands, may_hold_character
 from faceedit_app.ui.commands.exports import Exports
@@ -339,7 +340,7 @@ MENU: Menu[FileCommands] = Menu("&File", (
             "Write the edited take in another format, or as a character that plays it"),
     Command("export_film", "Export fil&m…", FileCommands.export_film, (),
             "Film the face, both faces, or the face beside the take's film, with its sound",
-            enabled=lambda file: not file.is_filming),
+            enabled=c.NOT_FILMING),
     Command("live", "Li&ve preview…", FileCommands.live_preview, (),
             "Send the face on screen to Unreal, VSeeFace and others, while you edit and play",
             checked=lambda file: file.live.is_on),
@@ -354,22 +355,22 @@ MENU: Menu[FileCommands] = Menu("&File", (
             fills=lambda do, menu: do.character.fill_recent(menu)),
     Command("own_character", "&FaceEdit's own", lambda do: do.character.show_own(), (),
             "Show the character that ships with FaceEdit", needs_take=False,
-            enabled=lambda do: do.character.can_show_own, submenu=CHARACTER),
+            enabled=c.CAN_SHOW_OWN, submenu=CHARACTER),
     Command("character_checklist", "Chec&klist…", lambda do: do.character.show_checklist(), (),
             "Show which shapes and points were found in your character, and correct them",
-            needs_take=False, enabled=lambda do: do.character.is_shown, submenu=CHARACTER),
+            needs_take=False, enabled=c.SHOWS_OWN, submenu=CHARACTER),
     Command("make_character", "Make from a &scan…", lambda do: do.character.ask_make(), (),
             "Give a head without blendshapes (OBJ, PLY, STL or GLB) all 52 of them",
             submenu=CHARACTER),
     Command("close_on_character", "&Close on my character",
             lambda do: do.character.switch_closing(), (),
             "Where edits close lips or lids, also close them on your character",
-            enabled=lambda do: do.character.is_shown, checked=lambda do: do.character.closes,
+            enabled=c.SHOWS_OWN, checked=lambda do: do.character.closes,
             submenu=CHARACTER),
     Command("close_range", "Close in the se&lection or everywhere",
             lambda do: do.character.close_range(), (),
             "Add an edit that closes lips and lids on your character where they are closed on ours",
-            enabled=lambda do: do.character.is_shown and do.character.closes,
+            enabled=c.CLOSES,
             submenu=CHARACTER),
     Command("quit", "&Quit", FileCommands.quit, ("Ctrl+Q",), needs_take=False,
             starts_group=True),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
 
@@ -103,7 +104,7 @@ MENU: Menu[PlaybackCommands] = Menu("&Playback", (
     Command("loop", "&Loop", PlaybackCommands.loop, ("Ctrl+L",),
             "Repeat the selection, or the whole take", "loop", checked=lambda do: do.loops),
     Command("mute", "&Mute sound", PlaybackCommands.mute, ("Ctrl+M",),
-            "Mute the take's sound", "sound", enabled=lambda do: do.has_sound,
+            "Mute the take's sound", "sound", enabled=c.HAS_SOUND,
             checked=lambda do: do.muted),
     Command("back", "Frame &back", lambda do: do.step_frames(-1), ("Left",), "Go one frame back",
             "back", starts_group=True),

@@ -11,6 +11,7 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timing import RateNeeded
+from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.frame_rate import FrameRate
 from faceedit_app.ui.commands.retime import RetimeCommands
@@ -174,30 +175,30 @@ MENU: Menu[TakeCommands] = Menu("&Take", (
             "Add sound or film to the take: WAV, MP3, M4A, MOV, MP4…", starts_group=True),
     Command("mirror_film", "&Mirror film", TakeCommands.mirror_film,
             tip="Flip the film, if its left and right do not match the face",
-            enabled=lambda do: do.has_film, checked=lambda do: do.is_mirrored),
+            enabled=c.HAS_FILM, checked=lambda do: do.is_mirrored),
     Command("film_landmarks", "Show &landmarks over the film", TakeCommands.toggle_landmarks,
             tip="Show where the tracker saw lips and lids, in the colours of their curves",
-            enabled=lambda do: do.has_landmarks,
+            enabled=c.HAS_LANDMARKS,
             checked=lambda do: do.has_landmarks and do.shows_landmarks),
     Command("side_by_side", "Export film and face side by s&ide…",
             TakeCommands.export_side_by_side,
             tip="Write the film with its landmarks, the tracked and the edited face as MP4 and PNG",
-            enabled=lambda do: do.has_landmarks),
+            enabled=c.HAS_LANDMARKS),
     Command("remove_sound", "Remove &sound", TakeCommands.remove_sound,
-            tip="Remove the sound from the take", enabled=lambda do: do.has_sound,
+            tip="Remove the sound from the take", enabled=c.HAS_SOUND,
             starts_group=True),
     Command("remove_film", "R&emove film", TakeCommands.remove_film,
-            tip="Remove the film from the take", enabled=lambda do: do.has_film),
+            tip="Remove the film from the take", enabled=c.HAS_FILM),
     Command("words", "&Words…", lambda do: do.words.ask(),
             tip="Say which words are spoken; they appear under the waveform",
             starts_group=True),
     Command("find_word", "Find a wo&rd", lambda do: do.words.find(), ("Ctrl+F",),
-            "Find a word and select its time", enabled=lambda do: do.words.has_words),
+            "Find a word and select its time", enabled=c.HAS_WORDS),
     Command("match_sound", "Match another so&und…", lambda do: do.retime.match_sound(),
             tip="Retime the take so that it says its words when another sound does",
-            enabled=lambda do: do.words.has_words),
+            enabled=c.HAS_WORDS),
     Command("remove_words", "Remove w&ords", lambda do: do.words.remove(),
             tip="Remove the words from the take; edits stay",
-            enabled=lambda do: do.words.has_words),
+            enabled=c.HAS_WORDS),
 ))
 # fmt: on

@@ -14,6 +14,7 @@ from faceedit_app.core.atomic import said_of
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.regions import OPTIONAL_LABEL
+from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.actions import Command, Menu
@@ -337,7 +338,7 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             submenu="Show &time as"),
     Command("unit_timecode", "&Timecode", lambda do: do.show_time_as(Unit.TIMECODE),
             tip="Show times as the take's timecode", checked=lambda do: do.unit is Unit.TIMECODE,
-            enabled=lambda do: do.has_timecode, submenu="Show &time as"),
+            enabled=c.HAS_TIMECODE, submenu="Show &time as"),
     Command("show_edited", "Show &edited face", ViewCommands.show_edited,
             tip="Show the face with your edits", checked=_shows_edited, starts_group=True),
     Command("show_tracked", "Sho&w tracked face", ViewCommands.show_tracked, ("T",),
@@ -351,11 +352,11 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             checked=lambda do: do.face is not None and do.face.shows_difference),
     Command("follow_head", "Follow the &head", ViewCommands.follow_head, (),
             "Turn the character's head as it was recorded, or keep it straight; for takes with "
-            "head rotation", enabled=lambda do: do.has_rotations,
+            "head rotation", enabled=c.HAS_ROTATIONS,
             checked=lambda do: do.face is not None and do.face.follows_head),
     *(
         Command(f"film_{place}", f"{label} the face", partial(ViewCommands.place_film, place=place),
-                tip=f"Show the take's film {place} the face", enabled=lambda do: do.has_film,
+                tip=f"Show the take's film {place} the face", enabled=c.HAS_FILM,
                 checked=partial(_shows_film, place), submenu=FILM)
         for place, label in (("beside", "&Beside"), ("above", "&Above"), ("below", "B&elow"))
     ),
@@ -372,13 +373,13 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             checked=lambda do: do.is_curve_enlarged, submenu=CURVES),
     Command("show_only_curve", "Show &only this curve", ViewCommands.show_only_curve,
             tip="Hide all curves but the focused one and those edited with it",
-            enabled=lambda do: do.shown_curves > 1, submenu=CURVES),
+            enabled=c.SHOWS_CURVES, submenu=CURVES),
     Command("hide_curve", "&Hide this curve", ViewCommands.hide_curve,
-            tip="Hide the focused curve", enabled=lambda do: do.shown_curves > 1,
+            tip="Hide the focused curve", enabled=c.SHOWS_CURVES,
             submenu=CURVES),
     Command("show_all_curves", "Show &all curves", ViewCommands.show_all_curves,
             tip="Show the hidden curves again",
-            enabled=lambda do: do.hides_curves, submenu=CURVES),
+            enabled=c.HIDES_CURVES, submenu=CURVES),
     Command("unfold_curves", f"Show &{OPTIONAL_LABEL.lower()}", ViewCommands.unfold_curves,
             ("Ctrl+B",), f"Show the curves of {OPTIONAL_LABEL.lower()}, or fold them away",
             checked=lambda do: do.unfolds_curves, submenu=CURVES),
@@ -389,9 +390,9 @@ MENU: Menu[ViewCommands] = Menu("&View", (
             "Move the camera: arrows orbit, + and - zoom; Esc returns to the curves"),
     Command("copy_picture", "Co&py picture", ViewCommands.copy_picture,
             tip="Copy the picture of the face to the clipboard, as shown",
-            enabled=lambda do: do.has_picture, starts_group=True),
+            enabled=c.HAS_PICTURE, starts_group=True),
     Command("save_picture", "&Save picture…", ViewCommands.save_picture,
             tip="Save the picture of the face as a PNG file, as shown",
-            enabled=lambda do: do.has_picture),
+            enabled=c.HAS_PICTURE),
 ))
 # fmt: on

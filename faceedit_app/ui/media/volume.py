@@ -13,6 +13,7 @@ from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import icon_button
 from faceedit_app.ui.media.sound_player import SoundPlayer
 from faceedit_app.ui.media.take_media import TakeMedia
+from faceedit_app.ui.state.actions import tip_of
 
 
 class Volume(QWidget):
@@ -21,7 +22,7 @@ class Volume(QWidget):
     def __init__(self, mute: QAction, media: TakeMedia, sound_player: SoundPlayer) -> None:
         super().__init__()
         self._media, self._sound_player, self._mute = media, sound_player, mute
-        self._tip = mute.toolTip()
+        self._tip = tip_of(mute)
         self._icons = {False: icon("sound"), True: icon("muted", MUTED)}
         self.button = icon_button(mute)
         self.slider = QSlider(Qt.Orientation.Horizontal)

@@ -18,7 +18,7 @@ from faceedit_app.render import Aim
 from faceedit_app.ui.face.viewport import Viewport
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, OneClick
-from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.actions import Actions, tip_of
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.time_display import shown_range
 from faceedit_app.ui.state.timeline import Timeline
@@ -85,7 +85,7 @@ class Expressions(QScrollArea):
         button = OneClick()
         button.setObjectName("tool")
         button.setText(preset.name)
-        button.setToolTip(action.toolTip())
+        button.setToolTip(tip_of(action))
         button.setIcon(action.icon())
         button.setIconSize(QSize(*PICTURE))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)

@@ -24,7 +24,7 @@ from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.widgets import icon_button
-from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.actions import Actions, tip_of
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
@@ -329,7 +329,7 @@ class ProblemsHead(QWidget):
 
     def __init__(self, actions: Actions, bar: ProblemsBar) -> None:
         super().__init__()
-        self._bar, self._tip = bar, actions["list_problems"].toolTip()
+        self._bar, self._tip = bar, tip_of(actions["list_problems"])
         self.count = QToolButton()
         self.count.setObjectName("small")
         self.count.setFocusPolicy(Qt.FocusPolicy.NoFocus)

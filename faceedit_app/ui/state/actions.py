@@ -19,7 +19,21 @@ from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.state.document import Document
 
 Doer = TypeVar("Doer")
+NO_TAKE = "Open a take first: File > Open…"
 _LONGEST = 40  # characters of a detail
+
+
+@dataclass(frozen=True)
+class When(Generic[Doer]):
+    """When a command is possible.
+
+    Attributes:
+        test: whether it is, given the object whose command it is.
+        why_not: one sentence for the user if it is not, with what can be done.
+    """
+
+    test: Callable[[Doer], bool]
+    why_not: str
 
 
 @dataclass(frozen=True)
@@ -34,7 +48,7 @@ class Command(Generic[Doer]):
         tip: one sentence for tooltips, the status bar and the list of shortcuts.
         icon: name of its icon, or nothing.
         detail: added to the text, such as the step that Undo undoes.
-        enabled: whether it is possible now; None: always.
+        enabled: when it is possible; None: always.
         checked: whether the state that it switches is on; None: it switches none.
         needs_take: whether it is disabled while no take is open.
         starts_group: whether a line separates it from the command above.
@@ -49,7 +63,7 @@ class Command(Generic[Doer]):
     tip: str = ""
     icon: str = ""
     detail: Callable[[Doer], str] | None = None
-    enabled: Callable[[Doer], bool] | None = None
+    enabled: When[Doer] | None = None
     checked: Callable[[Doer], bool] | None = None
     needs_take: bool = True
     starts_group: bool = False
@@ -117,12 +131,25 @@ class Actions:
         is_open = self._document.session is not None
         for command, doer in self._commands:
             action = self._actions[command.id]
-            possible = is_open or not command.needs_take
-            action.setEnabled(possible and (command.enabled is None or command.enabled(doer)))
+            why_not = "" if is_open or not command.needs_take else NO_TAKE
+            if not why_not and command.enabled is not None and not command.enabled.test(doer):
+                why_not = command.enabled.why_not
+            self._show_why(action, command.tip, why_not)
             if command.checked is not None:
                 action.setChecked(command.checked(doer))
             if command.detail is not None:
                 action.setText(f"{command.text} {_in_menu(command.detail(doer))}".rstrip())
+
+    @staticmethod
+    def _show_why(action: QAction, tip: str, why_not: str) -> None:
+        """Enable a command, or say in its tooltip and in the status bar why it is not possible."""
+        before = action.data() or ""
+        action.setEnabled(not why_not)
+        if why_not == before:
+            return
+        action.setData(why_not)
+        action.setStatusTip(why_not or tip)
+        action.setToolTip("\n".join(filter(None, (tip_of(action, before), why_not))))
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
@@ -173,6 +200,11 @@ class Actions:
         assert command.run is not None
         with self.held():  # Qt toggled the action even if the command does nothing
             command.run(doer)
+
+
+def tip_of(action: QAction, why_not: str = "") -> str:
+    """The tooltip of a command, without the reason why it is not possible now, if that is shown."""
+    return action.toolTip().removesuffix(f"\n{why_not or action.data()}")
 
 
 def _in_menu(detail: str) -> str:
