@@ -62,11 +62,14 @@ def build_brow(side: str, arch: BrowArch, skin: Part, surface: Surface) -> Part:
     tip_points = surface.position(tips, BROWS.tip_lift)
     aside = np.cross(tip_points - root_points, trimesh.unitize(roots.read(surface.normals)))
     aside = trimesh.unitize(aside) * BROWS.width / 2
-    # Widest some way along, so that a strand is pointed at both ends, not cut off at its root.
-    widest = root_points + (tip_points - root_points) * BROWS.widest_at
+    # Widest some way along, so that a strand is pointed at both ends, not cut off at its root. A
+    # straight strand would dive under the round of the temple.
+    middles = surface.anchor(root_points + (tip_points - root_points) * BROWS.widest_at)
+    widest = surface.position(middles, BROWS.widest_lift)
     vertices = np.stack([root_points - aside, widest + aside, tip_points], axis=1)
-    root_delta, tip_delta = roots.read(skin.deltas), tips.read(skin.deltas)
-    widest_delta = root_delta + (tip_delta - root_delta) * BROWS.widest_at
+    root_delta, widest_delta, tip_delta = (
+        anchors.read(skin.deltas) for anchors in (roots, middles, tips)
+    )
     deltas = np.stack([root_delta, widest_delta, tip_delta], axis=2)
     shade = np.repeat(random.uniform(*BROWS.brightness, count), 3)[:, None]
     return make_part(

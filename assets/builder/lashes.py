@@ -1,4 +1,4 @@
-"""Lashes: tapered strands along the helper lashes, and the dark line at their roots."""
+"""Lashes: tapered strands along the helper lashes, fine hair between them, a line at the roots."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
-from assets.builder.geometry import Surface, bridge_rows
+from assets.builder.geometry import Surface, bridge_rows, smoothstep
 from assets.builder.parts import CHANNEL_COUNT, Part, make_part, srgb
 from assets.builder.settings import LASHES, LashRow
 from assets.builder.shapes import Eye, Face
@@ -42,6 +42,8 @@ def build_lashes(face: Face, eye: Eye, skin: Part, surface: Surface) -> list[Par
     ):
         edge = _edge(face, rows, skin, surface)
         parts.append(_strands(f"{lid}Lashes{eye.side}", edge, eye, row, skin, surface))
+        # After the strands, which it would hide where it lies in front of them.
+        parts.append(_down(f"{lid}Down{eye.side}", edge, eye, row, skin, surface))
         parts.append(_line(f"{lid}Line{eye.side}", edge, row))
     return parts
 
@@ -58,31 +60,20 @@ def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface
     random = np.random.default_rng(LASHES.seed)
     along = np.linspace(LASHES.ends[0], len(edge.points) - LASHES.ends[1], row.strands)
     along = along + random.uniform(-LASHES.jitter, LASHES.jitter, row.strands)
-    length = row.length * random.uniform(*LASHES.length_spread, row.strands)[:, None]
+    length = row.length * random.uniform(*LASHES.length_spread, row.strands)
+    hairs = _hairs(edge, eye, row, along, length, skin, surface)
 
-    anchors = surface.anchor(_between(edge.points, along))
-    root = surface.position(anchors, LASHES.root_lift)
-    root_delta = anchors.read(skin.deltas)
-    tip = _between(edge.tips, _clumped(along, row.clump) + LASHES.sweep)
-    tip = root + (tip - root) * length
-    tip_delta, slimming = root_delta, np.zeros((CHANNEL_COUNT, row.strands, 1))
-    if row is LASHES.upper:
-        closing = _closing(eye, root_delta)
-        tip_delta = tip_delta + closing * _turn_when_closed(eye, root, root_delta, tip)
-        slimming = closing * LASHES.closed_slimming
-    bend = [0.0, -row.bend, LASHES.bend_forward]
-    middle = root + (tip - root) * LASHES.bend_at + bend
-    middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
-
-    aside = trimesh.unitize(np.gradient(root, axis=0)) * row.width / 2
+    aside = trimesh.unitize(np.gradient(hairs.root, axis=0)) * row.width / 2
     slim = aside * LASHES.middle_width
-    vertices = [root - aside, root + aside, middle - slim, middle + slim, tip]
+    slimming = hairs.closing * LASHES.closed_slimming
+    vertices = [hairs.root - aside, hairs.root + aside]
+    vertices += [hairs.middle - slim, hairs.middle + slim, hairs.tip]
     deltas = [
-        root_delta + slimming * aside,
-        root_delta - slimming * aside,
-        middle_delta + slimming * slim,
-        middle_delta - slimming * slim,
-        tip_delta,
+        hairs.root_delta + slimming * aside,
+        hairs.root_delta - slimming * aside,
+        hairs.middle_delta + slimming * slim,
+        hairs.middle_delta - slimming * slim,
+        hairs.tip_delta,
     ]
     first = np.arange(row.strands)[:, None] * len(vertices)
     faces = np.concatenate([first + np.array(corners) for corners in _STRAND])
@@ -95,6 +86,67 @@ def _strands(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface
         np.stack(deltas, axis=2).reshape(CHANNEL_COUNT, -1, 3),
         cover=np.tile(LASHES.cover, row.strands),
     )
+
+
+def _down(name: str, edge: _Edge, eye: Eye, row: LashRow, skin: Part, surface: Surface) -> Part:
+    """A sheet between the strands, which thins out to their tips: single hairs look like a comb."""
+    along = np.linspace(LASHES.ends[0], len(edge.points) - LASHES.ends[1], LASHES.down_columns)
+    length = np.full(len(along), row.length * LASHES.down_length)
+    hairs = _hairs(edge, eye, row, along, length, skin, surface)
+    ends = smoothstep(0, LASHES.down_fade, np.minimum(along - along[0], along[-1] - along))
+    return make_part(
+        name,
+        np.concatenate([hairs.root, hairs.middle, hairs.tip]),
+        bridge_rows(3, len(along), closed=False),
+        "lashes",
+        srgb(row.color),
+        np.concatenate([hairs.root_delta, hairs.middle_delta, hairs.tip_delta], axis=1),
+        cover=np.outer(row.down_cover, ends).ravel(),
+    )
+
+
+@dataclass(frozen=True)
+class _Hairs:
+    """Hairs of a lid.
+
+    Attributes:
+        root, middle, tip: (S, 3) mm.
+        root_delta, middle_delta, tip_delta: (52, S, 3) mm.
+        closing: (52, S, 1) how far each channel closes an upper lid; 1 is shut.
+    """
+
+    root: Floats
+    middle: Floats
+    tip: Floats
+    root_delta: Floats
+    middle_delta: Floats
+    tip_delta: Floats
+    closing: Floats
+
+
+def _hairs(
+    edge: _Edge,
+    eye: Eye,
+    row: LashRow,
+    along: Floats,
+    length: Floats,
+    skin: Part,
+    surface: Surface,
+) -> _Hairs:
+    """Hairs at fractional columns (S,) of the helper, with lengths (S,) as shares of its."""
+    anchors = surface.anchor(_between(edge.points, along))
+    root = surface.position(anchors, LASHES.root_lift)
+    root_delta = anchors.read(skin.deltas)
+    tip = _between(edge.tips, _clumped(along, row.clump) + LASHES.sweep)
+    tip = root + (tip - root) * length[:, None]
+    tip_delta, closing = root_delta, np.zeros((CHANNEL_COUNT, len(along), 1))
+    if row is LASHES.upper:
+        closing = _closing(eye, root_delta)
+        tip_delta = tip_delta + closing * _turn_when_closed(eye, root, root_delta, tip)
+    bend = [0.0, -row.bend, LASHES.bend_forward]
+    middle = root + (tip - root) * LASHES.bend_at + bend
+    middle_delta = root_delta + (tip_delta - root_delta) * LASHES.bend_at
+    return _Hairs(root, middle, tip, root_delta, middle_delta, tip_delta, closing)
 
 
 def _clumped(along: Floats, clump: int) -> Floats:

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from assets.builder import source as src
 from assets.builder.geometry import MIRROR, mesh_of, smooth, smoothstep
 from assets.builder.lips import seal_lips
-from assets.builder.open_lips import round_mouth
+from assets.builder.round_lips import round_lips
 from assets.builder.settings import NEUTRAL, SHAPES
 from assets.builder.source import BaseMesh, Floats, Ints, Source
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX, mirrored_channel
@@ -93,7 +93,9 @@ def pose_face(source: Source) -> Face:
     body = _triangulate(mesh.group("body"), neutral, deltas)
     _smooth_cheeks(neutral, deltas, body, lips, eyes)
     neutral = seal_lips(neutral, deltas, body, lips)
-    round_mouth(neutral, deltas, lips)
+    round_lips(neutral, deltas, lips)
+    for eye in eyes:
+        _clear_eyeball(neutral, deltas, body, eye)
     lids, ears = source.mask("eyelids"), source.mask("ears")
     _round_ears(neutral, body, ears)
     return Face(mesh, neutral, deltas, body, lips, mouth, lids, ears, eyes)
@@ -209,6 +211,21 @@ def _smooth_cheeks(
     for channel in SHAPES.smoothed:
         field = deltas[ARKIT_INDEX[channel], src.BODY]
         deltas[ARKIT_INDEX[channel], src.BODY] = smooth(field, mesh, strength, SHAPES.smooth_rounds)
+
+
+def _clear_eyeball(neutral: Floats, deltas: Floats, body: Ints, eye: Eye) -> None:
+    """Keep the skin under an eye in front of the eyeball when squint, cheek and smile add up."""
+    cheek, *others = (ARKIT_INDEX[channel + eye.side] for channel in SHAPES.under_eye)
+    skin = neutral[src.BODY]
+    posed = skin + deltas[[cheek, *others], src.BODY].sum(axis=0)
+    before = np.linalg.norm(skin - eye.centre, axis=1) - eye.radius
+    away = posed - eye.centre
+    missing = SHAPES.eye_clearance - (np.linalg.norm(away, axis=1) - eye.radius)
+    # The lid itself touches the eyeball.
+    pushed = (before > SHAPES.eye_clear_from) & (skin[:, 2] > eye.centre[2])
+    amount = smooth(np.where(pushed, missing.clip(0), 0.0), mesh_of(skin, body), 0.5, 1)
+    amount = np.maximum(amount, missing.clip(0)) * pushed
+    deltas[cheek, src.BODY] += amount[:, None] * trimesh.unitize(away)
 
 
 def _round_ears(neutral: Floats, body: Ints, ears: Floats) -> None:

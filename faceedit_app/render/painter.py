@@ -140,6 +140,11 @@ class Painter(Renderer):  # type: ignore[misc]  # pyrender has no types
                 program.set_uniform("camera_from_world", self._camera_from_world)
             program.set_uniform("cutoff", primitive.material.alphaCutoff)
             program.set_hollows(self.hollows)
+            # Lashes and brows are drawn last and lie in several layers of one colour: none of them
+            # may hide another where one can see through it.
+            is_thin = primitive.material.name == Shading.THIN.value
+            GL.glDepthMask(not (is_thin and primitive.material.alphaMode == "BLEND"))
             self._bind_and_draw_primitive(primitive, None, program, flags)
+            GL.glDepthMask(True)
             self._reset_active_textures()
         GL.glFlush()

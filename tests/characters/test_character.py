@@ -164,10 +164,20 @@ def lip_vertices(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     return lips, jaw[lips] < jaw[rig.control_pairs[CONTROL_INDEX["mouth_width"]]].mean()
 
 
-def beside(rig: Rig, vertex: int, sign: float) -> list[int]:
-    """The vertices from one in the middle to 5 mm beside it, straight to the right or left."""
+def test_a_puckered_lip_is_round_and_has_no_furrow(rig: Rig) -> None:
+    middle = int(rig.control_pairs[CONTROL_INDEX["lower_lip"], 1])
+    right, left = (beside(rig, middle, sign, 14.5) for sign in (-1.0, 1.0))
+    weights = np.array([float(name == "mouthPucker") for name in rig.channels], np.float32)
+    run, ahead = np.diff(rig.vertices(weights)[[*right[:0:-1], *left]][:, [0, 2]], axis=0).T
+    turns = np.diff(np.degrees(np.arctan2(-ahead, run)))
+    assert turns.sum() > 60
+    assert turns.min() > -1
+
+
+def beside(rig: Rig, vertex: int, sign: float, reach: float = 5.0) -> list[int]:
+    """The vertices from one in the middle to `reach` mm beside it, to the right or left."""
     path = [vertex]
-    while abs(rig.neutral[path[-1], 0]) < 5e-3:
+    while abs(rig.neutral[path[-1], 0]) * MILLIMETRES < reach:
         around = np.unique(rig.faces[(rig.faces == path[-1]).any(axis=1)])
         around = around[around != path[-1]]
         away = rig.neutral[around] - rig.neutral[path[-1]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,11 +103,35 @@ def _mean_of_each_lash(rig: Rig, moved: Doubles, roots: Indices) -> Doubles:
     return np.asarray(np.linalg.norm(means, axis=1) * MILLIMETRES, np.float64)
 
 
+def test_lashes_of_a_nearly_shut_eye_are_no_comb_over_the_iris(
+    renderer: FaceRenderer, rig: Rig
+) -> None:
+    camera, shown = eye_camera(rig), {"eyeBlinkLeft": 0.75}
+    image = picture(renderer, rig, camera, True, **shown).mean(axis=2)
+    lids = rig.vertices(weights(rig, **shown))[rig.control_pairs[CONTROL_INDEX[LIDS[0]]]]
+    upper, lower = camera.project(lids, SIZE, SIZE)[:, 1]
+    under_the_lid = image[int(upper) + 1 : int((upper + lower) / 2) + 2, 85:155]
+    assert np.abs(np.diff(under_the_lid, axis=1)).mean() < 9, "from one pixel to the next"
+
+
+@pytest.mark.parametrize("left", [True, False])
+def test_eyeballs_stay_behind_the_skin_of_a_squeezed_eye(
+    renderer: FaceRenderer, rig: Rig, left: bool
+) -> None:
+    side, camera = SIDES[not left], eye_camera(rig, left)
+    shown = {f"{stem}{side}": 1.0 for stem in ("eyeSquint", "cheekSquint", "mouthSmile")}
+    lids = rig.vertices(weights(rig, **shown))[rig.control_pairs[CONTROL_INDEX[LIDS[not left]]]]
+    lower = int(camera.project(lids, SIZE, SIZE)[1, 1])
+    seen = _only(renderer, rig, ("sclera", "iris", "pupil"), camera, **shown)
+    assert seen[:lower].sum() > 300
+    assert not seen[lower + 8 :].any()
+
+
 def test_teeth_are_light_and_not_grey(renderer: FaceRenderer, rig: Rig) -> None:
     shown = {"mouthUpperUpLeft": 1.0, "mouthUpperUpRight": 1.0}
     shown |= {"mouthLowerDownLeft": 1.0, "mouthLowerDownRight": 1.0}
     image = picture(renderer, rig, aimed_camera(rig, Aim.MOUTH), True, **shown)
-    teeth = image[_only(renderer, rig, ("teeth",), **shown)]
+    teeth = image[_only(renderer, rig, ("teeth",), None, **shown)]
     assert len(teeth) > 1000
     red, _, blue = np.median(teeth, axis=0)
     assert red > 185
@@ -183,6 +208,36 @@ def test_what_moves_is_few_vertices(rig: Rig) -> None:
     assert moving[hair].mean() < 0.35
 
 
+@pytest.mark.parametrize("smooth", [True, False])
+def test_skin_that_no_light_reaches_is_not_lit_from_behind(rig: Rig, smooth: bool) -> None:
+    """As in nostrils, which had grey spots."""
+    unlit = replace(rig, shade=np.zeros(len(rig.neutral), np.float32))
+    for dark in opened_renderer(unlit, SIZE):
+        image = picture(dark, unlit, default_camera(unlit), smooth)
+    across = image[SIZE * 13 // 24 : SIZE * 5 // 8].mean(axis=(0, 2))
+    face = across[across > across.max() / 2]
+    assert len(face) > SIZE / 4
+    assert face.max() < 1.5 * np.median(face), "its edge is no brighter"
+
+
+def test_what_cannot_be_seen_of_a_lash_hides_nothing(rig: Rig) -> None:
+    """Single lashes are drawn before the fine hair around them, wherever they lie."""
+    (lashes,) = (slice(m.start, m.stop) for m in rig.materials if m.name == "lashes")
+    edges = trimesh.geometry.faces_to_edges(rig.faces[lashes])
+    lash = trimesh.graph.connected_component_labels(edges, node_count=len(rig.neutral))
+    single = np.bincount(lash)[lash] == 5  # vertices
+    colors, faces = rig.colors.copy(), rig.faces.copy()
+    colors[single, 3] = 0.0
+    faces[lashes][single[faces[lashes]].all(axis=1)] = rig.faces[0, 0]  # no longer there
+    camera, shown = eye_camera(rig), {"eyeBlinkLeft": 0.6}
+    images = [
+        picture(opened, other, camera, True, **shown)
+        for other in (replace(rig, colors=colors), replace(rig, faces=faces))
+        for opened in opened_renderer(other, SIZE)
+    ]
+    assert np.abs(images[0] - images[1]).max() <= 1
+
+
 def test_an_eyeball_darkens_where_a_lid_comes_near(renderer: FaceRenderer, rig: Rig) -> None:
     camera = eye_camera(rig)
     opened = picture(renderer, rig, camera)
@@ -207,7 +262,7 @@ def test_teeth_are_darker_behind_lips_that_have_just_parted(
     for share in (0.3, 1.0):
         shown = {f"mouth{lip}{side}": share for lip in ("UpperUp", "LowerDown") for side in SIDES}
         light.append(picture(renderer, rig, camera, True, **shown))
-        seen.append(_only(renderer, rig, ("teeth",), **shown))
+        seen.append(_only(renderer, rig, ("teeth",), None, **shown))
     both = np.logical_and(*seen)
     assert both.sum() > 300
     assert np.median(light[0][both] / light[1][both]) < 0.85
@@ -226,10 +281,18 @@ def test_what_one_can_see_through_is_drawn_after_what_it_covers(rig: Rig) -> Non
 
 
 def _only(
-    renderer: FaceRenderer, rig: Rig, materials: tuple[str, ...], **channels: float
+    renderer: FaceRenderer,
+    rig: Rig,
+    materials: tuple[str, ...],
+    camera: Camera | None = None,
+    /,
+    **channels: float,
 ) -> np.ndarray:
-    """(SIZE, SIZE) bool: where the mouth's picture shows these materials, by tinting them."""
-    camera = aimed_camera(rig, Aim.MOUTH)
+    """(SIZE, SIZE) bool: where a picture, of the mouth if no camera is given, shows materials.
+
+    They are tinted.
+    """
+    camera = camera or aimed_camera(rig, Aim.MOUTH)
     tint = np.zeros(len(rig.neutral), np.float32)
     tint[vertices_of(rig, *materials)] = 1.0
     vertices = rig.vertices(weights(rig, **channels))

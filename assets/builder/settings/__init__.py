@@ -8,10 +8,11 @@ from assets.builder.settings.face import (
     ATTRIBUTION,
     MATERIALS,
     NAME,
+    LipSides,
     LowerLip,
     Neutral,
-    OpenLips,
     Output,
+    RoundLips,
     Shapes,
     Skin,
 )
@@ -30,7 +31,7 @@ from assets.builder.settings.paint import Colour
 NEUTRAL = Neutral()
 SHAPES = Shapes()
 LOWER_LIP = LowerLip()
-OPEN_LIPS = OpenLips()
+ROUND_LIPS = RoundLips()
 SKIN = Skin()
 OUTPUT = Output()
 HAIR = Hair()
@@ -51,12 +52,13 @@ __all__ = [
     "MATERIALS",
     "NAME",
     "NEUTRAL",
-    "OPEN_LIPS",
     "OUTPUT",
+    "ROUND_LIPS",
     "SHAPES",
     "SKIN",
     "TEETH",
     "Jaw",
     "LashRow",
+    "LipSides",
     "Ring",
 ]

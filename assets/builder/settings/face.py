@@ -116,20 +116,40 @@ class Shapes:
     smooth_keep_eyes: tuple[float, float] = (22.0, 32.0)  # distance from the eye's centre
     smooth_keep_middle: tuple[float, float] = (12.0, 24.0)  # |x|: the chin carries a control
 
+    # What presses the skin under an eye against the eyeball. The first one gives way, so that all
+    # of them together keep this far from it (mm); skin nearer to it than that belongs to the lid.
+    under_eye: tuple[str, ...] = ("cheekSquint", "eyeSquint", "mouthSmile")
+    eye_clearance: float = 0.8
+    eye_clear_from: float = 1.8
+
 
 @dataclass(frozen=True)
-class OpenLips:
-    """How far the lips move apart between their middle and their corners, so that they are round.
+class LipSides:
+    """How a channel moves the lips between their middle and their corners as well.
 
-    A mouth that closes takes the jaw's part back.
+    Attributes:
+        channel: its name.
+        upper, lower: mm up and to the front, where it is most.
+        most: where that is, as a share of the way from the middle to a corner.
+        late: how late the move begins on that way: an exponent, 2 or more.
     """
 
-    # Channel, mm by which it moves the upper lip up and the lower one down, and at which share of
-    # the way from the middle to a corner it does most.
-    apart: tuple[tuple[str, float, float, float], ...] = (
-        ("jawOpen", 0.0, 3.2, 0.68),
-        ("mouthClose", 0.0, -3.2, 0.68),
-        ("mouthFunnel", 2.4, 2.6, 0.52),
+    channel: str
+    upper: tuple[float, float]
+    lower: tuple[float, float]
+    most: float
+    late: float = 2.0
+
+
+@dataclass(frozen=True)
+class RoundLips:
+    """What makes lips round that open or pucker."""
+
+    sides: tuple[LipSides, ...] = (
+        LipSides("jawOpen", (0.0, 0.0), (-3.2, 0.0), 0.68),
+        LipSides("mouthClose", (0.0, 0.0), (3.2, 0.0), 0.68),  # takes the jaw's part back
+        LipSides("mouthFunnel", (2.4, 0.0), (-2.6, 0.0), 0.52),
+        LipSides("mouthPucker", (0.5, 0.8), (0.0, 1.5), 0.58, late=4.0),
     )
     reach: float = 15.0  # distance from the lips at which the skin stays
 

@@ -38,8 +38,8 @@ class Hair:
     pole: float = 38.0  # elevation of the point at the back towards which the hair is combed
     # Rings of the grid as shares of the way from the hairline to the pole.
     rings: tuple[float, ...] = (
-        *(0, 0.035, 0.07, 0.12, 0.19, 0.28),
-        *(0.4, 0.53, 0.66, 0.79, 0.9),
+        *(0, 0.035, 0.07, 0.12, 0.19, 0.25, 0.32, 0.4),
+        *(0.48, 0.56, 0.64, 0.72, 0.8, 0.88, 0.94),
     )
     # Thickness over the skull (mm) at shares of that way.
     thickness: tuple[tuple[float, float], ...] = (
@@ -53,7 +53,7 @@ class Hair:
     )
     # How much it hides of the scalp at shares of that way, 0..1.
     cover: tuple[tuple[float, float], ...] = ((0, 0.0), (0.035, 0.6), (0.07, 1))
-    cover_span: tuple[float, float] = (84.0, 98.0)  # azimuths beyond which it hides all: from, to
+    cover_span: tuple[float, float] = (176.0, 180.0)  # azimuths beyond which it hides all: from, to
     smoothing: int = 5  # rounds of averaging around the head
     # Scalp that shows between the roots at shares of that way, 0..1.
     scalp: tuple[tuple[float, float], ...] = ((0, 0.3), (0.035, 0.18), (0.09, 0))
@@ -74,9 +74,9 @@ class Hair:
     bun_shade: float = 0.22
     bun_front: tuple[float, float, float] = (0.64, 1.1, 0.75)  # share of the rows, shades
     # Fine strands that soften the hairline.
-    wisps: int = 110
+    wisps: int = 116
     wisp_length: tuple[float, float] = (5.0, 24.0)
-    wisp_width: tuple[float, float] = (0.25, 0.55)
+    wisp_width: tuple[float, float] = (0.16, 0.36)
     wisp_before: tuple[float, float] = (-3.0, 6.0)  # how far they root in front of the line
     wisp_span: float = 84.0  # azimuths to either side that have them
     wisp_jitter: float = 1.5  # degrees
@@ -109,8 +109,8 @@ class Brows:
     inner_end: float = 10.5  # x of the inner end
     inner_drop: float = 1.2  # how far the inner end lies below its neighbour
     outer_extra: float = 1.0
-    strands: int = 112
-    width: float = 0.42
+    strands: int = 132
+    width: float = 0.36
     scatter: float = 0.02  # along the brow, so that its inner end is no straight line
     widest_at: float = 0.4  # share of a strand
     thickness: float = 4.6
@@ -120,7 +120,9 @@ class Brows:
     swell: float = 1.3
     taper: float = 0.86
     taper_between: tuple[float, float] = (0.5, 1.02)
-    root_lift: float = 0.3  # over the skin
+    # Over the skin:
+    root_lift: float = 0.3
+    widest_lift: float = 0.5
     tip_lift: float = 0.8
     # Along the brow (0 inside, 1 outside): angle of the strands, and their length.
     angles: tuple[tuple[float, float], ...] = ((0, 74), (0.12, 52), (0.4, 16), (1, -26))
@@ -132,7 +134,7 @@ class Brows:
     cover: tuple[float, ...] = (0.7, 1.0, 0.25)  # of the root, the widest place and the tip
     # The band of fine hair under them. Along the brow: from, to and in how many columns. Rows:
     # place across, as a share of half the thickness, and cover. Cover along the brow.
-    down_along: tuple[float, float, int] = (-0.06, 1.02, 13)
+    down_along: tuple[float, float, int] = (-0.06, 1.02, 15)
     down_rows: tuple[tuple[float, float], ...] = (
         *((1.2, 0.0), (0.6, 0.85), (0.0, 1.0)),
         *((-0.6, 0.85), (-1.2, 0.0)),
@@ -141,12 +143,13 @@ class Brows:
         (-0.06, 0),
         (0.1, 0.5),
         (0.35, 0.85),
-        (1.02, 0.4),
+        (0.8, 0.6),
+        (1.02, 0),
     )
     # It narrows at its ends, and skin shows through it: other programs may draw it without cover.
     down_taper: tuple[tuple[float, float], ...] = ((-0.06, 0.3), (0.1, 0.9), (0.4, 1), (1.02, 0.7))
     down_skin: float = 0.15
-    down_lift: float = 0.15  # over the skin
+    down_lift: float = 0.25  # over the skin
     seed: int = 3
 
 
@@ -162,14 +165,15 @@ class LashRow:
     clump: int  # strands whose tips lean together
     color: str
     liner_color: str
+    down_cover: tuple[float, float, float]  # of the fine hair: at root, middle and tip
 
 
 @dataclass(frozen=True)
 class Lashes:
     """Lashes and the line at their roots."""
 
-    upper: LashRow = LashRow(48, 0.72, 0.90, 0.35, 0.38, 3, "2e211b", "35251e")
-    lower: LashRow = LashRow(26, 0.46, 0.30, -0.25, 0.16, 2, "5a4034", "9a6656")
+    upper: LashRow = LashRow(66, 0.78, 0.58, 0.35, 0.38, 3, "2e211b", "35251e", (0.85, 0.45, 0.0))
+    lower: LashRow = LashRow(28, 0.46, 0.28, -0.25, 0.16, 2, "5a4034", "9a6656", (0.3, 0.12, 0.0))
     root_lift: float = 0.1  # over the skin
     sweep: float = 0.25  # helper columns by which a tip leans outwards
     ends: tuple[float, float] = (0.4, 1.15)  # helper columns left bare: inside, outside
@@ -178,6 +182,11 @@ class Lashes:
     brightness: tuple[float, float] = (0.85, 1.25)  # of a strand, from and to
     cover: tuple[float, ...] = (1.0, 1.0, 0.9, 0.9, 0.25)  # of root, middle (twice each) and tip
     line_cover: tuple[float, float] = (0.95, 0.6)  # of the line: at the lid's edge, at the skin
+    # The fine hair between the strands: columns, its length as a share of the strands', and over
+    # how many helper columns it begins at either end.
+    down_columns: int = 15
+    down_length: float = 0.9
+    down_fade: float = 1.5
     clumping: float = 0.45  # share of the way by which a tip leans to the middle of its clump
     middle_width: float = 0.42  # share of the width at the root
     bend_at: float = 0.55  # where along the strand the middle lies
@@ -187,7 +196,7 @@ class Lashes:
     closed_down: float = 0.36
     # Share of their width that the upper lashes lose when the lid is closed. Half-way they point
     # at the viewer, and what is wide then looks like teeth over the iris.
-    closed_slimming: float = 0.8
+    closed_slimming: float = 0.65
     blink_from: float = 0.1  # roots that a blink lowers less turn as if by this much
     turn_limits: tuple[float, float] = (-0.3, 1.2)  # of the turn of a closed lid
     seed: int = 5

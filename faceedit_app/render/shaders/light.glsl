@@ -67,14 +67,19 @@ void lights(vec3 view, vec3 normal, vec2 sky, vec3 surface, vec3 albedo,
 #endif
     light = mix(FLOOR, SKY, sky.x * 0.5 + 0.5) * (least + 0.7 * arriving);
     light += KEY * lambert(key_facing, wrap) * arriving;
+    // In mouth and nostrils, neither of them arrives.
 #ifdef WET
-    back *= sky.y; // in the mouth, neither of them arrives
-    light += FILL * lambert(fill_facing, wrap) * sky.y + back;
+    float open = sky.y;
 #else
-    light += FILL * lambert(fill_facing, wrap) + back;
+    float open = min(4.0 * sky.y * sky.y, 1.0);
 #endif
+    back *= open;
+    light += FILL * lambert(fill_facing, wrap) * open + back;
 
     float mirror = (0.04 + 0.25 * fresnel * edge) * sky.y;
+#ifndef WET
+    mirror *= open;
+#endif
 #ifdef HAIR
     // Two highlights across the strands (Kajiya and Kay; Marschner et al.): a narrow one in the
     // colour of the light and, behind it, a wide one in the hair's. Strands lie unevenly, which
