@@ -82,6 +82,24 @@ def test_the_switch_of_a_row(window: MainWindow) -> None:
     click(panel, 2)
     window.actions_["toggle_edit"].trigger()
     assert not session.edits[2].enabled
+    click(panel, 2, x=16)
+    assert session.edits[2].enabled
+    assert panel.rows == [2] == [panel.current], "it stays chosen: Strength and Del act on it"
+
+
+def test_an_edit_is_chosen_by_the_user_and_not_by_the_focus(window: MainWindow) -> None:
+    panel, line = panel_of(window), window.timeline
+    line.show_range(2.2, 2.9)
+    assert window.editor is not None
+    window.editor.lists.setCurrentIndex(1)
+    window.editor.lists.setCurrentIndex(0)
+    panel.list.setFocus(Qt.FocusReason.TabFocusReason)
+    assert panel.current is None
+    assert panel.rows == []
+    assert line.selection is None
+    assert line.view == pytest.approx((2.2, 2.9))
+    QTest.keyClick(panel.list, Qt.Key.Key_Down)
+    assert panel.rows == [0] == [panel.current]
 
 
 def test_strength_is_live_and_one_step(bench: Bench, window: MainWindow) -> None:

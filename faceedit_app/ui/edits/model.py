@@ -51,6 +51,7 @@ class EditsModel(QAbstractListModel):
         self._document, self._timeline = document, timeline
         self._open: set[Key] = set()  # groups whose edits are shown
         self._groups: dict[int, range] = {}  # the group of each row, by row
+        self._count = 0  # rows that the view knows
 
     @property
     def edits(self) -> Sequence[Edit]:
@@ -59,9 +60,19 @@ class EditsModel(QAbstractListModel):
         return session.edits if session is not None else ()
 
     def refresh(self) -> None:
-        """The list of edits changed."""
+        """The list of edits changed.
+
+        With as many edits as before, the view keeps its rows: after a reset, the release of the
+        click that changed one would find no row, and select none.
+        """
         self._groups = {row: group for group in groups_of(self.edits) for row in group}
+        count = len(self.edits)
+        if count == self._count:
+            if count:
+                self.dataChanged.emit(self.index(0), self.index(count - 1))
+            return
         self.beginResetModel()
+        self._count = count
         self.endResetModel()
 
     # --- groups ------------------------------------------------------------------------------

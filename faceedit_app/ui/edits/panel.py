@@ -8,11 +8,9 @@ from dataclasses import replace
 from PySide6.QtCore import QItemSelection, QItemSelectionModel, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QApplication,
     QHBoxLayout,
     QLabel,
-    QListView,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -22,6 +20,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, RowField
 from faceedit_app.ui.edits.model import EditsModel
+from faceedit_app.ui.edits.rows import EditRows
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import caption, context_menu, icon_button
@@ -49,7 +48,7 @@ class EditsPanel(QWidget):
         super().__init__()
         self._actions, self._document, self._timeline = actions, document, timeline
         self.model = EditsModel(document, timeline)
-        self.list = QListView()
+        self.list = EditRows()
         self._delegate = EditsDelegate(self.list)
         self.strength = self._slider()
         self.percent = QLabel()
@@ -79,18 +78,8 @@ class EditsPanel(QWidget):
         self.setObjectName("edits")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         view = self.list
-        view.setObjectName("edits_list")
         view.setModel(self.model)
         view.setItemDelegate(self._delegate)
-        view.setAccessibleName("Edits")
-        view.setMouseTracking(True)
-        view.setUniformItemSizes(True)
-        view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
-        view.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
-        view.setDefaultDropAction(Qt.DropAction.MoveAction)
-        trigger = QAbstractItemView.EditTrigger
-        view.setEditTriggers(trigger.DoubleClicked)
-        view.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         empty = QLabel(_EMPTY)
         empty.setObjectName("caption")
         empty.setAlignment(Qt.AlignmentFlag.AlignCenter)

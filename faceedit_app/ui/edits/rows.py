@@ -1,0 +1,31 @@
+"""The list of edits as a view that chooses nothing by itself."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtGui import QFocusEvent
+from PySide6.QtWidgets import QAbstractItemView, QListView
+
+
+class EditRows(QListView):
+    """Rows that are chosen by a click or with the arrow keys, never because the list got focus."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("edits_list")
+        self.setAccessibleName("Edits")
+        self.setMouseTracking(True)
+        self.setUniformItemSizes(True)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
+        self.setDefaultDropAction(Qt.DropAction.MoveAction)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.DoubleClicked)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Qt makes the first row the current one, which would choose an edit and move the view."""
+        has_current = self.currentIndex().isValid()
+        with QSignalBlocker(self.selectionModel()):
+            super().focusInEvent(event)
+            if not has_current:
+                self.selectionModel().clearCurrentIndex()
