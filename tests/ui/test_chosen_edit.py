@@ -171,6 +171,11 @@ def test_an_edit_is_moved_in_time_by_its_middle_and_by_the_wheel_made_softer(
     assert session.edits[0].falloff == pytest.approx(0.1 * 1.2**2)
     trigger(window, "undo")
     assert session.edits[0].falloff == pytest.approx(0.1), "a run of the wheel is one step"
+    press_key(window, Qt.Key.Key_Escape)
+    drag_curve(window, 0, 1.0, 15)
+    drag_on_bar(window, 1.0, 0.7)
+    edit = session.edits[-1]
+    assert (edit.start, edit.end) == pytest.approx((0.7, 0.7), abs=0.02), "an edit of one moment"
 
 
 def test_the_way_to_leave_is_visible(window: MainWindow) -> None:

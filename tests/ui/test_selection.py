@@ -25,7 +25,7 @@ from support.curves import (
 from support.rigs import tiny_session
 
 from faceedit_app.ui.curves import CurvesPanel
-from faceedit_app.ui.curves.edges import Edge, edge_at, press_edge
+from faceedit_app.ui.curves.edges import Edge, edge_at, part_at, press_edge
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.state.timeline import Timeline
@@ -70,6 +70,27 @@ def test_without_falloff_the_outside_of_an_edge_is_the_falloff() -> None:
     assert edge_at(202, SCALE, span) is Edge.START
     assert edge_at(298, SCALE, span) is Edge.END
     assert edge_at(302, SCALE, span) is Edge.FADE_OUT
+
+
+@pytest.mark.parametrize(
+    ("x", "part"),
+    [
+        (200, Edge.BODY),
+        (202, Edge.BODY),
+        (196, Edge.START),
+        (204, Edge.END),
+        (150, Edge.FADE_IN),
+        (298, Edge.FADE_OUT),
+        (170, Edge.BODY),
+        (250, Edge.BODY),
+        (140, None),
+        (310, None),
+    ],
+)
+def test_an_edit_of_one_moment_is_moved_by_its_middle_and_its_slopes(
+    x: float, part: Edge | None
+) -> None:
+    assert part_at(x, SCALE, Span(2.0, 2.0, 0.5, 1.0)) is part
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from faceedit_app.ui.curves.gestures import FINE, Span, clamped
 from faceedit_app.ui.curves.scale import Interval, Scale
 
 GRASP = 5.0  # pixels on either side of an edge within which it is grabbed
+_MIDDLE = 2.5  # pixels on either side of a short hold's middle within which it is moved
 
 
 class Edge(Enum):
@@ -48,6 +49,23 @@ def edge_at(x: float, scale: Scale, span: Span) -> Edge | None:
     if Edge.START in tied and Edge.END in tied:
         return Edge.END if near[Edge.END] <= 0 else Edge.START
     return tied[0]
+
+
+def part_at(x: float, scale: Scale, span: Span) -> Edge | None:
+    """What a press on a span that is drawn as a shape would grab: its middle, an edge, or nothing.
+
+    A hold of a moment or two has no room between its handles: there the middle of the handles moves
+    it, their sides make it longer, and the slopes of its falloffs move it as well.
+    """
+    first, last = scale.x_of(span.start), scale.x_of(span.end)
+    is_short = last - first <= 2 * GRASP
+    if is_short and abs(x - 0.5 * (first + last)) <= _MIDDLE:
+        return Edge.BODY
+    edge = edge_at(x, scale, span)
+    if edge is not None:
+        return edge
+    begin, finish = span.ends if is_short else (span.start, span.end)
+    return Edge.BODY if begin < scale.time_at(x) < finish else None
 
 
 @dataclass(frozen=True)

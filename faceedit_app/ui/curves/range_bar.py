@@ -8,7 +8,7 @@ from PySide6.QtGui import QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.edges import Edge, edge_times
+from faceedit_app.ui.curves.edges import Edge, edge_times, part_at
 from faceedit_app.ui.curves.gestures import Pointer, RulerDrag, Span, clamped, stepped_falloff
 from faceedit_app.ui.curves.marks import SpanRegion
 from faceedit_app.ui.curves.scale import Interval, Scale
@@ -67,7 +67,9 @@ class SelectionHandles(SpanRegion):
         painter.setBrush(style.color(style.SELECTION, 130 if self._lit is Edge.BODY else 90))
         painter.drawPolygon(QPolygonF(corners))
         for edge in (Edge.FADE_IN, Edge.FADE_OUT, *_HOLD):
-            _paint_handle(painter, at[edge], edge in _HOLD, edge is self._lit)
+            is_hold = edge in _HOLD
+            lit = edge is self._lit or (is_hold and self._lit is Edge.BODY)
+            _paint_handle(painter, at[edge], is_hold, lit)
 
 
 def _paint_handle(painter: QPainter, x: float, is_hold: bool, lit: bool) -> None:
@@ -143,11 +145,8 @@ class RangeBar(pg.GraphicsView, Mouse):
         return True
 
     def _part_at(self, x: float) -> Edge | None:
-        scale, span = self.current_scale, self._edges.span
-        edge = self._edges.edge_under(scale, x)
-        if edge is None and span is not None and span.start < scale.time_at(x) < span.end:
-            return Edge.BODY
-        return edge
+        span = self._edges.span
+        return part_at(x, self.current_scale, span) if span is not None else None
 
     def pressed(self, pointer: Pointer) -> None:
         """Grab an edge, or begin a new selection if there is none."""
