@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt
+from PySide6.QtGui import QEnterEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QApplication, QToolButton
 from pytestqt.qtbot import QtBot
 from support.curves import (
     ALT,
@@ -217,6 +218,21 @@ def test_more_is_not_left_lit_once_its_menu_is_closed(bench: Bench) -> None:
     menu.close()
     bench.qtbot.waitUntil(lambda: not more.testAttribute(Qt.WidgetAttribute.WA_UnderMouse))
     assert not more.isDown()
+
+
+def test_no_button_is_left_lit_that_the_pointer_has_left(bench: Bench) -> None:
+    window = bench.editing()
+    export, undo = (
+        next(b for b in window.findChildren(QToolButton) if b.defaultAction() is action)
+        for action in (window.actions_["export"], window.actions_["undo"])
+    )
+    for button in (export, undo):  # a dialog that a menu opened there was closed with a key
+        button.setAttribute(Qt.WidgetAttribute.WA_UnderMouse)
+    place = QPointF(undo.mapToGlobal(undo.rect().center()))
+    QApplication.sendEvent(window, QEnterEvent(place, place, place))
+    assert not export.underMouse()
+    assert undo.underMouse()
+    QApplication.sendEvent(undo, QEvent(QEvent.Type.Leave))
 
 
 def test_the_slider_of_a_tool_pushes_no_button_about(bench: Bench) -> None:

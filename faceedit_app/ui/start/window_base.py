@@ -11,9 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QRect, Qt, QTimer, Signal
-from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QMainWindow
+from PySide6.QtCore import QEvent, QPoint, QRect, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QDragEnterEvent,
+    QDragLeaveEvent,
+    QDragMoveEvent,
+    QDropEvent,
+    QEnterEvent,
+)
+from PySide6.QtWidgets import QApplication, QMainWindow, QWidget
 
 
 class WindowBase(QMainWindow):
@@ -62,13 +68,30 @@ class WindowBase(QMainWindow):
                 self.setGeometry(fitted)
 
     def event(self, event: QEvent) -> bool:
-        """Detect the first paint, and the loss of the mouse to another window or a dialog."""
+        """Detect the first paint, the loss of the mouse to another window, and its return."""
         if event.type() in (QEvent.Type.WindowDeactivate, QEvent.Type.WindowBlocked):
             self.mouse_lost()
+        elif isinstance(event, QEnterEvent):
+            self._unlight(event.globalPosition().toPoint())
         if event.type() == QEvent.Type.Paint and self._on_paint is not None:
             QTimer.singleShot(0, self._on_paint)
             self._on_paint = None
         return super().event(event)
+
+    def _unlight(self, pointer: QPoint) -> None:
+        """Tell the widgets that the pointer has left, if they have not noticed.
+
+        A menu may cover a button when it is clicked, and the dialog that it opens may be closed
+        with a key. Qt then tells the button that the pointer is on it, but later that it left the
+        menu: the button would stay lit.
+
+        Args:
+            pointer: on the screen.
+        """
+        for child in self.findChildren(QWidget):
+            if child.underMouse() and not child.rect().contains(child.mapFromGlobal(pointer)):
+                QApplication.sendEvent(child, QEvent(QEvent.Type.Leave))
+                child.update()
 
     def mouse_lost(self) -> None:
         """The release of a held button will not reach this window."""
