@@ -202,6 +202,7 @@ def test_a_film_can_be_cancelled(bench: Bench, monkeypatch: pytest.MonkeyPatch) 
     window = bench.editing()
     path = bench.folder / "face.mp4"
     film(bench, window, path, Shot(size=(64, 64)))
+    assert not window.actions_["export_film"].isEnabled(), "one film at a time"
     dialog = window.findChild(QProgressDialog)
     assert isinstance(dialog, QProgressDialog)
     button = dialog.findChild(QPushButton)
@@ -213,6 +214,7 @@ def test_a_film_can_be_cancelled(bench: Bench, monkeypatch: pytest.MonkeyPatch) 
     )
     assert not path.exists()
     assert not window.commands.file.is_filming
+    assert window.actions_["export_film"].isEnabled()
 
 
 @pytest.mark.parametrize("kind", ["film", "character", "longer take"])

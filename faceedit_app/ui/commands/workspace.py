@@ -66,7 +66,7 @@ class Workspace(QObject):
         self.media = TakeMedia(self.background, self)
         self.media_steps = MediaSteps(self.document, self.media)
         self.sound_player = SoundPlayer(self.media, self.timeline, self.playback, self.background)
-        self.unfinished = Unfinished()
+        self.unfinished = Unfinished(self)
         self.opener = TakeOpener(self.document, self.background, self)
         self.page: Editor | None = None
         self.words_file: Path | None = None

@@ -96,12 +96,12 @@ class Writing(QObject):
             self._dialog.setValue(done)
 
     def _finish(self) -> None:
-        self._written()
         if self._dialog is not None:
             self._dialog.canceled.disconnect()  # closing cancels
             self._dialog.close()
             self._dialog.deleteLater()
         self._dialog = self._stop = None
+        self._written()  # commands may now be enabled again
 
 
 def progress_dialog(parent: QWidget, title: str, text: str) -> QProgressDialog:

@@ -133,6 +133,7 @@ class MainWindow(WindowBase):
             media.turned,
             media.overlay.changed,
             self.sound_player.changed,
+            self.workspace.unfinished.changed,
         ):
             changed.connect(self.actions_.refresh)
 

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from PySide6.QtCore import QObject, Signal
 
-class Unfinished:
-    """Closing the window asks about these files, and stops those that are writing them."""
 
-    def __init__(self) -> None:
+class Unfinished(QObject):
+    """Closing the window asks about these files, and stops those that are writing them.
+
+    Signals:
+        changed(): a file was begun, or is written or given up.
+    """
+
+    changed = Signal()
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
         self._stops: dict[object, tuple[str, Callable[[], None]]] = {}
 
     @property
@@ -28,10 +37,12 @@ class Unfinished:
         """
         key = object()
         self._stops[key] = name, stop
+        self.changed.emit()
         return lambda: self._forget(key)
 
     def _forget(self, key: object) -> None:
-        self._stops.pop(key, None)
+        if self._stops.pop(key, None) is not None:
+            self.changed.emit()
 
     def stop(self) -> None:
         """Give up all of them."""
