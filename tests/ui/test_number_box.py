@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from PySide6.QtCore import QLocale, Qt
+from PySide6.QtCore import QLocale, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 from pytestqt.qtbot import QtBot
@@ -56,6 +56,19 @@ def test_what_is_no_number_changes_nothing(qtbot: QtBot) -> None:
     assert (box.text(), box.value()) == ("1.50", 1.5)
     assert not box.property("refused")
     assert type_into(box, "0.126") == 0.13, "more digits are rounded"
+
+
+@pytest.mark.parametrize("x", [4, 18])
+def test_a_double_click_selects_the_whole_number(qtbot: QtBot, x: int) -> None:
+    box = NumberBox()
+    qtbot.addWidget(box)
+    box.setSuffix(" s")
+    box.setValue(0.6)
+    QTest.mouseDClick(box.lineEdit(), Qt.MouseButton.LeftButton, pos=QPoint(x, 5))
+    assert box.lineEdit().selectedText() == "0.60"
+    QTest.keyClicks(box.lineEdit(), "0.1")
+    QTest.keyClick(box.lineEdit(), Qt.Key.Key_Return)
+    assert box.value() == 0.1
 
 
 @pytest.mark.usefixtures("language")

@@ -14,6 +14,8 @@ _NUMBER = re.compile(r"[+-]?(?:\d{1,30}(?:[.,]\d{0,30})?|[.,]\d{1,30})", re.ASCI
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _AWAY = (Qt.FocusReason.PopupFocusReason, Qt.FocusReason.ActiveWindowFocusReason)
 
+from faceedit_app.ui.look.number_text import NumberText
+
 
 class NumberBox(QDoubleSpinBox):
     """A number field that takes a decimal comma as well as a point.
@@ -29,6 +31,7 @@ class NumberBox(QDoubleSpinBox):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setLineEdit(NumberText())
         plain = QLocale.c()
         plain.setNumberOptions(
             QLocale.NumberOption.OmitGroupSeparator | QLocale.NumberOption.RejectGroupSeparator
