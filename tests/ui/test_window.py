@@ -22,6 +22,7 @@ from support.windows import (
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Op
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
@@ -244,7 +245,11 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
         "Your words of take.csv are not saved in a project.",
         "If you discard them, they are lost.",
     )
-    trigger(window, "undo")
+    session.place(Placement(MediaFile(bench.folder / "other.wav", 0.5)))
+    add_edit(window)
+    assert question_about(document)[0].startswith("Your edits, sound, film and words of take.csv")
+    for _ in range(3):
+        trigger(window, "undo")
     add_edit(window)
     bench.answers["export"] = bench.folder / "out.csv"
     trigger(window, "export")

@@ -26,7 +26,8 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
         message = f"Your latest changes to {name} are not saved in {project.name}."
         save = "save the project"
     else:
-        what = _ONE[parts[0]] if len(parts) == 1 else f"{listed(parts)} of"
+        words = listed(word for part in parts for word in part.split(" and "))
+        what = _ONE[parts[0]] if len(parts) == 1 else f"{words} of"
         message = f"Your {what} {name} are not saved in a project."
         save = "save them in a project"
     more = "If you discard them, they are lost."
