@@ -32,18 +32,21 @@ class Column:
         weights: (T, 52) in ARKit's order, of a take's frames.
         rows: (F,) the frame that is nearest to each picture.
         is_there: (F,) whether it belongs to the picture; else the take has a gap there.
+        turns: (T, 9) radians, how head and eyes are turned; None if the head stays straight.
     """
 
     weights: Floats
     rows: Indices
     is_there: Bools
+    turns: Floats | None = None
 
     @classmethod
-    def of(cls, clip: Clip, times: Times) -> Column:
-        """The frames of a clip at times (F,) of its clock."""
+    def of(cls, clip: Clip, times: Times, follows_head: bool = False) -> Column:
+        """The frames of a clip at times (F,) of its clock; the head turns if it is followed."""
         rows = np.array([clip.frame_at(seconds) for seconds in times.tolist()], np.intp)
         is_there = np.abs(clip.times[rows] - times) < 0.75 / clip.rate
-        return cls(clip.arkit_weights(), rows, is_there)
+        turns = clip.rotations if follows_head else None
+        return cls(clip.arkit_weights(), rows, is_there, turns)
 
 
 def moments(tracked: Column, edited: Column, times: Times, rig: Rig) -> list[int]:

@@ -14,6 +14,7 @@ from faceedit_app.core.arrays import Doubles, Floats, Pixels
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.head import Head
 from faceedit_app.core.rig import Rig
 from faceedit_app.media.container import check, has_sound
 from faceedit_app.media.film import Film
@@ -69,7 +70,13 @@ class SideBySide:
 
     @classmethod
     def of_take(
-        cls, film: Film, stored: StoredLandmarks, tracked: Clip, edited: Clip, offset: float
+        cls,
+        film: Film,
+        stored: StoredLandmarks,
+        tracked: Clip,
+        edited: Clip,
+        offset: float,
+        follows_head: bool = False,
     ) -> SideBySide:
         """An open take.
 
@@ -79,15 +86,18 @@ class SideBySide:
             tracked: whose times begin with its first frame.
             edited: the same after edits, with the frames that fill its gaps.
             offset: as above.
+            follows_head: turn the heads as the take says, as the viewport does.
 
         Raises:
             FileError: the film is shown before or after the take only.
         """
         times = film.times + offset
-        face, after = (Column.of(clip, times) for clip in (tracked, edited))
+        face, after = (Column.of(clip, times, follows_head) for clip in (tracked, edited))
         if not face.is_there.any():
             raise FileError(film.path, "shows nothing of the take", "move the film in time")
         same = np.array_equal(face.weights, after.weights)  # False if gaps were filled
+        if face.turns is not None and after.turns is not None:
+            same = same and np.array_equal(face.turns, after.turns)
         return cls(film.path, stored.at, (face,) if same else (face, after), offset)
 
 
@@ -206,7 +216,8 @@ class _Columns:
         self.film = Film(shown.film)
         self._square: tuple[float, float, float] | None = None
         self._renderer: FaceRenderer | None = None
-        self._drawn: dict[bytes, Pixels] = {}  # faces, by their weights
+        self._head = Head(rig)
+        self._drawn: dict[bytes, Pixels] = {}  # faces, by their weights and how they are turned
         self._last: tuple[int, Pixels] | None = None  # the picture that was drawn last
 
     def __enter__(self) -> _Columns:
@@ -224,7 +235,9 @@ class _Columns:
             return self._last[1]
         columns = [self._seen(index)]
         for face in self._shown.faces:
-            drawn = self._face(face.weights[face.rows[index]])
+            row = face.rows[index]
+            turn = None if face.turns is None else face.turns[row]
+            drawn = self._face(face.weights[row], turn)
             # In a gap the nearest face is shown, darkened.
             shade = 1.0 if face.is_there[index] else _GAP
             columns.append((drawn * shade).astype(np.uint8))
@@ -246,13 +259,15 @@ class _Columns:
             cut = draw_landmarks(cut, points * (HEIGHT / (2 * half)))
         return np.asarray(cut)
 
-    def _face(self, weights: Floats) -> Pixels:
-        """(HEIGHT, HEIGHT, 3) of weights (52,) in ARKit's order."""
-        key = weights.tobytes()
+    def _face(self, weights: Floats, turn: Floats | None) -> Pixels:
+        """(HEIGHT, HEIGHT, 3) of weights (52,) in ARKit's order, and rotations (9,), radians."""
+        key = weights.tobytes() + (b"" if turn is None else turn.tobytes())
         # Most of a take is not edited: there the faces are the same.
         if key not in self._drawn:
             assert self._renderer is not None
             vertices = self._rig.vertices(self._rig.from_arkit(weights))
+            if turn is not None:
+                vertices = self._head.turned(vertices, turn)
             drawn = self._renderer.draw(vertices, default_camera(self._rig))
             if len(self._drawn) == _KEPT:
                 self._drawn.pop(next(iter(self._drawn)))

@@ -37,6 +37,9 @@ def test_a_gap_is_dark_until_it_is_filled(tmp_path: Path) -> None:
     assert filled.is_there.all()
     assert filled.rows.tolist() == list(range(10))
     assert len(SideBySide.of_take(film, stored, gap, gap, 0.0).faces) == 1, "nothing was edited"
+    nods, shakes = (replace(whole, rotations=np.full((10, 9), by, np.float32)) for by in (0.1, 0.2))
+    for follows, count in ((False, 1), (True, 2)):
+        assert len(SideBySide.of_take(film, stored, nods, shakes, 0.0, follows).faces) == count
     with pytest.raises(FileError, match=r"film\.mp4: shows nothing of the take; move"):
         SideBySide.of_take(film, stored, gap, whole, 9.0)
     film.close()
@@ -73,12 +76,18 @@ def test_a_report_shows_film_tracked_and_edited_face(tmp_path: Path) -> None:
     edited = replace(tracked.clip, weights=weights)
     mp4 = tmp_path / "both.mp4"
     mp4.write_text("my only recording")
-    picture, backups = write_side_by_side(mp4, SideBySide.of_tracked(tracked, edited), rig)
+    side_by_side = SideBySide.of_tracked(tracked, edited)
+    straight, followed = side_by_side.faces
+    turns = np.tile(np.float32([0.6, 0, 0, 0, 0, 0, 0, 0, 0]), (len(weights), 1))
+    faces = straight, replace(followed, turns=turns)
+    picture, backups = write_side_by_side(mp4, replace(side_by_side, faces=faces), rig)
     assert backups == (tmp_path / "both.mp4.bak", None)
     shown = np.asarray(Image.open(picture))
     assert shown.shape == (4 * (HEIGHT + 32) + 32, 3 * HEIGHT, 3)
     plain, changed = (shown[:, k * HEIGHT : (k + 1) * HEIGHT].astype(int) for k in (1, 2))
     assert np.abs(plain - changed).max() > 60
+    brows = slice(32 + HEIGHT // 4, 32 + 2 * HEIGHT // 5)  # above what an open mouth moves
+    assert np.abs(plain - changed)[brows].mean() > 5, "the head is turned"
     moving = Film(mp4)
     nearest = np.abs(moving.times[:, None] - tracked.landmarks.times).min(axis=0)
     assert nearest.max() < 1e-3, "each picture is shown at its time"

@@ -273,10 +273,15 @@ def test_film_and_face_are_exported_side_by_side(
     bench.qtbot.waitUntil(lambda: window.media.overlay.stored is not None)
     add = Edit(("mouth_opening",), Op.OFFSET, 0.2, 0.5, 0.1, 4.0)
     session_of(window).add(add)
-    bench.answers["save_side_by_side"] = own.with_name("both.mp4")
-    trigger(window, "side_by_side")
-    bench.qtbot.waitUntil(lambda: "both.mp4" in window.status.currentMessage() and bool(made))
-    (shown,) = made
+    for turns in (False, True):
+        bench.answers["save_side_by_side"] = own.with_name("both.mp4")
+        assert window.editor is not None
+        window.editor.face.follow_head(turns)
+        trigger(window, "side_by_side")
+        bench.qtbot.waitUntil(lambda: "both.mp4" in window.status.currentMessage() and bool(made))
+        window.status.clearMessage()
+        shown = made.pop()
+        assert all((face.turns is not None) == turns for face in shown.faces)
     assert shown.film == own
     assert len(shown.faces) == 2
     for face in shown.faces:

@@ -111,6 +111,8 @@ class TakeCommands:
         from faceedit_app.editing.filming import with_fills
 
         film, take, edited = placed, session.take, with_fills(session)
+        page = self._workspace.page
+        follows = page is not None and page.face.follows_head
 
         def work(advance: Advance, stopped: IsStopped) -> tuple[Path, tuple[Path | None, ...]]:
             from faceedit_app.media.film import Film
@@ -122,7 +124,8 @@ class TakeCommands:
 
             check_names(output, (film.path, take.path))
             with closing(Film(film.path)) as opened:
-                shown = SideBySide.of_take(opened, stored, take.clip, edited, film.offset)
+                clips = take.clip, edited
+                shown = SideBySide.of_take(opened, stored, *clips, film.offset, follows)
             return write_side_by_side(output, shown, rig, advance, stopped)
 
         def done(written: tuple[Path, tuple[Path | None, ...]]) -> None:
