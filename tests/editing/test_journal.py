@@ -144,6 +144,35 @@ def test_gestures_after_a_save_are_recovered_whole(tmp_path: Path) -> None:
     assert pending.project == project
 
 
+def test_the_character_that_was_shown_last_is_recovered(tmp_path: Path) -> None:
+    first, second = tmp_path / "first.glb", tmp_path / "second.glb"
+    journal = Journal(DEMO, folder=tmp_path, character=first)
+    for shown, found in ((first, first), (second, second), (None, None), (second, second)):
+        journal.showing(shown)
+        journal.record(STATES[0])
+        content = journal.path.read_bytes()
+        copy = tmp_path / "copy" / "crashed.jsonl"
+        copy.parent.mkdir(exist_ok=True)
+        copy.write_bytes(content)
+        assert pending_journals(copy.parent)[0].character == found
+    journal.saved()
+    journal.record(STATES[1])
+    crash(journal)
+    (pending,) = pending_journals(tmp_path)
+    assert (pending.character, pending.state) == (second, STATES[1])
+
+
+def test_a_journal_without_gestures_is_swept_away_although_it_names_a_character(
+    tmp_path: Path,
+) -> None:
+    journal = Journal(DEMO, folder=tmp_path)
+    journal.showing(tmp_path / "head.glb")
+    path = crash(journal)
+    os.utime(path, (0, 0))
+    assert pending_journals(tmp_path) == []
+    assert not path.exists()
+
+
 def test_running_session_is_left_alone(tmp_path: Path) -> None:
     journal = Journal(DEMO, folder=tmp_path)
     journal.record(STATES[0])

@@ -241,7 +241,7 @@ def test_a_point_is_dragged_to_another_vertex(
     assert window.close(), "it is saved"
 
 
-def test_a_project_remembers_the_character_and_finds_it_when_moved(
+def test_recovery_and_projects_remember_the_character_and_projects_find_it_when_moved(
     bench: Bench, head: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     window = bench.editing()
@@ -251,15 +251,29 @@ def test_a_project_remembers_the_character_and_finds_it_when_moved(
     project.parent.mkdir()
     bench.answers["save_project"] = project
     trigger(window, "save")
+    add_edit(window)
+    (crashed,) = (bench.folder / "journals").glob("*.jsonl")
+    content = crashed.read_bytes()
+    window.document.session = None
     assert window.close()
+    crashed.write_bytes(content)
+    monkeypatch.setattr(dialogs, "ask_recover", lambda *_: dialogs.Recover.RECOVER)
+    again = bench.window()
+    bench.qtbot.waitUntil(lambda: again.document.character is not None)
+    assert len(session_of(again).edits) == 2, "recovered"
+    trigger(again, "save")
+    assert '"head.glb"' in project.read_text(encoding="utf-8").replace("../", "")
     elsewhere = tmp_path / "moved" / "renamed.glb"
     elsewhere.parent.mkdir()
     head.rename(elsewhere)
-    again = bench.window()
     again.commands.file.open_if_saved(project)
-    bench.qtbot.waitUntil(lambda: again.document.character is not None)
+
+    def is_elsewhere() -> bool:
+        character = again.document.character
+        return character is not None and character.character.path == elsewhere
+
+    bench.qtbot.waitUntil(is_elsewhere)
     assert again.document.character is not None
-    assert again.document.character.character.path == elsewhere
     assert session_of(again).shown_rig is again.document.character.rig
     elsewhere.unlink()
     bench.qtbot.waitUntil(lambda: not again.workspace.opener.is_reading)

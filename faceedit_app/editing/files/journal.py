@@ -31,6 +31,7 @@ from faceedit_app.words.transcript import to_json as words_to_json
 VERSION = 1
 SUFFIX = ".jsonl"
 NEW_SUFFIX = ".new"
+EXPORTED_OVER, CHARACTER = "exported_over", "character"  # fields that also have their own lines
 _LONG = 32 * 2**20  # bytes; a longer journal is written again without what no longer matters
 _PATIENCE = 1.0  # seconds to wait for a slow disk when closing
 _CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -54,6 +55,7 @@ class Journal:
         fps: the take's frame rate, if the user had to give it.
         opened: the fingerprint of the take as it was opened; None = that of the file now.
         exported_over: the fingerprint of what was exported over the take, if anything was.
+        character: the user's character, if one is shown.
     """
 
     def __init__(
@@ -64,11 +66,13 @@ class Journal:
         fps: float | None = None,
         opened: Fingerprint | None = None,
         exported_over: Fingerprint | None = None,
+        character: Path | None = None,
     ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{SUFFIX}"
         self.take, self._project, self._fps = take.absolute(), project, fps
         self._print, self._exported_over = opened, exported_over
+        self._character = character
         if opened is None:
             with contextlib.suppress(FileError):
                 self._print = fingerprint(take)
@@ -141,8 +145,22 @@ class Journal:
             content: the fingerprint of what will be written.
         """
         self._exported_over = content
+        self._note({EXPORTED_OVER: asdict(content)})
+
+    def showing(self, character: Path | None) -> None:
+        """Note which of the user's characters is shown now; None = FaceEdit's own."""
+        if character != self._character:
+            self._character = character
+            self._note({CHARACTER: self._shown})
+
+    @property
+    def _shown(self) -> dict[str, str] | None:
+        return {"path": str(self._character)} if self._character is not None else None
+
+    def _note(self, entry: dict[str, Any]) -> None:
+        """Append a line that is no gesture."""
         if self._file is not None and not self._closed:
-            self._append({"exported_over": asdict(content)})
+            self._append(entry)
             self._wake.set()
 
     def _shorten(self) -> None:
@@ -213,7 +231,9 @@ class Journal:
         if self._fps is not None:
             head["fps"] = self._fps
         if self._exported_over is not None:
-            head["exported_over"] = asdict(self._exported_over)
+            head[EXPORTED_OVER] = asdict(self._exported_over)
+        if self._character is not None:
+            head[CHARACTER] = self._shown
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:

@@ -42,6 +42,7 @@ class Pending:
         when: the time of the last gesture, in seconds since the epoch.
         fps: the take's frame rate, if the user had to give it.
         exported_over: the fingerprint of what was exported over the take, if anything was.
+        character: the user's character, if one was shown.
     """
 
     path: Path
@@ -53,6 +54,7 @@ class Pending:
     when: float
     fps: float | None = None
     exported_over: Fingerprint | None = None
+    character: Path | None = None
 
     @property
     def counted_edits(self) -> str:
@@ -86,7 +88,7 @@ def pending_journals(folder: Path | None = None) -> list[Pending]:
         pending = _read(path, content, when)
         if pending is not None:
             found.append(pending)
-        elif content.count(b"\n") <= 1 and time.time() - when > _YOUNG:  # no gesture was made
+        elif _without_gestures(content) and time.time() - when > _YOUNG:
             with contextlib.suppress(OSError):
                 path.unlink()
     for path in folder.glob(f"*{journal.NEW_SUFFIX}"):  # left by a crash
@@ -153,14 +155,18 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
             project = KnownFile(Path(head.path("project")), _mark(head, "project_fingerprint"))
         fps = head.number_or_none("fps", 1.0, 1000.0)
         exported_over = exported_over_from(head)
+        character = _character(head)
     except ValueError:
         return None
     state, step, gestures = None, 0, 0
     for line in lines[1:]:
         try:
             entry = Fields(parse(line))
-            if entry.has("exported_over"):
+            if entry.has(journal.EXPORTED_OVER):
                 exported_over = exported_over_from(entry)
+                continue
+            if entry.has(journal.CHARACTER):
+                character = _character(entry)
                 continue
             state = _replay(state, step, entry)
             step = entry.whole("step")
@@ -169,7 +175,25 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         gestures += 1
     if state is None:
         return None
-    return Pending(path, take, print_, project, state, gestures, when, fps, exported_over)
+    return Pending(
+        path, take, print_, project, state, gestures, when, fps, exported_over, character
+    )
+
+
+def _without_gestures(content: bytes) -> bool:
+    """Whether a journal has no line of a gesture."""
+    notes = tuple(f'{{"{name}":'.encode() for name in (journal.EXPORTED_OVER, journal.CHARACTER))
+    return all(line.startswith(notes) for line in content.split(b"\n")[1:-1])
+
+
+def _character(entry: Fields) -> Path | None:
+    """The user's character in a line.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    shown = entry.fields_or_none(journal.CHARACTER)
+    return Path(shown.path("path")) if shown is not None else None
 
 
 def _mark(head: Fields, name: str) -> Fingerprint | None:

@@ -12,6 +12,7 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.files.fingerprint import KnownFile, known
 from faceedit_app.editing.files.pending import Pending
 from faceedit_app.editing.files.project import (
+    CharacterFile,
     Located,
     Project,
     ViewState,
@@ -156,14 +157,16 @@ def _open_take(
         if note:
             workspace.warning.emit(note)
         restore_view(workspace, project.view)
-        _open_character(workspace, project, file.path)
+        _open_character(workspace, project.character, file.path)
 
     workspace.opener.open(take, prepare, opened, file, project.fps)
 
 
-def _open_character(workspace: Workspace, project: Project, path: Path) -> None:
-    """Show the character that the project was saved with; if it is gone, say so and show ours."""
-    wanted = project.character
+def _open_character(workspace: Workspace, wanted: CharacterFile | None, path: Path) -> None:
+    """Show the character that was shown with the project or take at `path`.
+
+    If it is gone, say so and show ours.
+    """
     if wanted is None:
         workspace.show_own_character()
         return
@@ -219,6 +222,8 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: st
             f"Recovered your work on {pending.take.name}{pending.counted_edits}; "
             "a single Undo takes it all back"
         )
+        if pending.character is not None:
+            _open_character(workspace, CharacterFile(pending.character), take)
         session = workspace.session
         if session is not None and session.fingerprint != pending.fingerprint:
             workspace.warning.emit(f"{take.name} is not the take that these edits were made on")

@@ -113,6 +113,7 @@ class Document(QObject):
             fps=session.take.fps,
             opened=session.fingerprint,
             exported_over=session.exported_over,
+            character=self._character_path,
         )
         session.stepped.connect(self._journal.record)
         session.exporting.connect(self._journal.exporting)
@@ -168,6 +169,8 @@ class Document(QObject):
         self.character = character
         rig = character.rig if character is not None else None
         self.act(lambda session: session.use_character(rig))
+        if self._journal is not None:
+            self._journal.showing(self._character_path)
         self.character_changed.emit()
 
     def preview(self, *edits: Edit) -> None:
@@ -285,13 +288,17 @@ class Document(QObject):
         self._is_saved()
         return backup
 
+    @property
+    def _character_path(self) -> Path | None:
+        return self.character.character.path.absolute() if self.character is not None else None
+
     def _character_file(self) -> CharacterFile | None:
         from faceedit_app.editing.files.fingerprint import fingerprint
         from faceedit_app.editing.files.project import CharacterFile
 
-        if self.character is None:
+        path = self._character_path
+        if path is None:
             return None
-        path = self.character.character.path.absolute()
         with contextlib.suppress(FaceEditError):  # it may be gone by now, or a folder
             return CharacterFile(path, fingerprint(path))
         return CharacterFile(path)
