@@ -5,11 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pyqtgraph as pg
 import pytest
 from PySide6.QtWidgets import QPushButton
 from support.takes import make_livelink_csv
-from support.windows import Bench, editor_of, session_of
+from support.waiting import run_events
+from support.windows import Bench, editor_of, session_of, trigger
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import background_solving as solving
@@ -43,6 +46,11 @@ def begin(window: MainWindow) -> np.ndarray:
 def test_what_is_on_screen_is_there_at_once_and_the_rest_follows(
     bench: Bench, window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    trigger(window, "all_channels")
+    panel = editor_of(window).channels
+    assert panel is not None
+    bench.qtbot.waitUntil(panel.isVisible)
+    run_events()
     window.timeline.go_to_time(40.0)
     window.timeline.show_range(39.0, 41.0)
     tracked = begin(window)
@@ -54,6 +62,10 @@ def test_what_is_on_screen_is_there_at_once_and_the_rest_follows(
     monkeypatch.setattr(editor_of(window).face.viewport, "redraw", lambda: drawn.append(None))
     bench.qtbot.waitUntil(lambda: not parts(window).is_busy)
     assert (session.weights != tracked).any(axis=1).all()
+    (plot,) = panel.plots
+    _, edited = (item for item in plot.view.addedItems if isinstance(item, pg.PlotDataItem))
+    jaw = session.weights[:, ARKIT_INDEX["jawOpen"]]
+    np.testing.assert_array_equal(edited.getOriginalDataset()[1], jaw, "all channels follow")
     assert not window.status.work.isVisible()
     assert drawn == [], "a picture that is drawn again is rough at first"
 

@@ -49,10 +49,11 @@ class ChannelPlot(pg.PlotItem, Mouse):
         super().__init__(viewBox=self.view, axisItems={"left": ValueAxis()}, enableMenu=False)
         self.hideButtons()
         self.hideAxis("bottom")
+        self.layout.setContentsMargins(0, 0, 0, 0)  # nothing is dragged beside the plots
         self.view.setLimits(minYRange=0.02)
         self._selection, self._playhead = selection_region(), Playhead()
-        self._tracked = pg.PlotDataItem(pen=style.tracked_pen())
-        self._edited = pg.PlotDataItem(pen=style.face_pen(style.FOCUS))
+        self._tracked, self._edited = pg.PlotDataItem(), pg.PlotDataItem()
+        self._ratio = 0.0  # dots of the screen in a pixel, for which the pens were made
         self._name = pg.LabelItem(justify="left", color=style.LABEL)
         self._name.setParentItem(self.view)
         self.view.addItem(self._selection, ignoreBounds=True)
@@ -69,8 +70,18 @@ class ChannelPlot(pg.PlotItem, Mouse):
 
     # --- what is shown -----------------------------------------------------------------------
 
-    def show_values(self, times: Times, tracked: Doubles, edited: Doubles) -> None:
-        """Show the channel (T,) as tracked and as edited."""
+    def show_values(
+        self, times: Times, tracked: Doubles, edited: Doubles, ratio: float = 1.0
+    ) -> None:
+        """Show the channel (T,) as tracked and as edited.
+
+        Args:
+            ratio: dots of the screen in a pixel.
+        """
+        if ratio != self._ratio:
+            self._ratio = ratio
+            self._tracked.setPen(style.in_dots(style.tracked_pen(), ratio))
+            self._edited.setPen(style.in_dots(style.face_pen(style.FOCUS), ratio))
         self._tracked.setData(times, tracked)
         self._edited.setData(times, edited)
         if self._drawn is None:

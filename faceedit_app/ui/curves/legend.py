@@ -96,7 +96,7 @@ class Legend(QWidget):
         """Paint one line and its label; returns where the next one starts."""
         middle = 0.5 * self.height()
         for i, pen in enumerate(pens):
-            painter.setPen(pen)
+            painter.setPen(style.in_dots(pen, self.devicePixelRatioF()))
             start, stop = (x + _SAMPLE * (i + k) / len(pens) for k in (0, 1))
             painter.drawLine(QPointF(start, middle), QPointF(stop, middle))
         stop = x + _advance(QFontMetricsF(painter.font()), words)

@@ -90,6 +90,13 @@ def face_pen(color: str) -> QPen:
     return _pen(color, FACE_WIDTH)
 
 
+def in_dots(pen: QPen, ratio: float) -> QPen:
+    """A pen as wide on a screen with `ratio` dots per pixel: Qt counts that of these in dots."""
+    wide = QPen(pen)
+    wide.setWidthF(pen.widthF() * ratio)
+    return wide
+
+
 def scaled_font(widget: QWidget, factor: float, bold: bool = False) -> QFont:
     """The widget's font in another size, whether it is set in points or in pixels."""
     font = QFont(widget.font())

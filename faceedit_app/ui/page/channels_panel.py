@@ -86,7 +86,7 @@ class ChannelsPanel(QWidget):
         self._lay_out()
         document.opened.connect(self.reload)
         for changed in (document.changed, document.previewed):
-            changed.connect(self._refresh)
+            changed.connect(self.refresh)
         for moved in (
             timeline.playhead_moved,
             timeline.selection_changed,
@@ -203,7 +203,7 @@ class ChannelsPanel(QWidget):
         for button in self._buttons:
             button.setEnabled(bool(self.chosen))
         self._set_unit(bool(self.chosen) and all(map(is_rotation, self.chosen)))
-        self._refresh()
+        self.refresh()
 
     def _plot(self, channels: Sequence[str]) -> None:
         """Plot these channels; a plot takes long to make, so each is used again."""
@@ -237,15 +237,16 @@ class ChannelsPanel(QWidget):
     def showEvent(self, event: QShowEvent) -> None:
         """Show what has changed meanwhile."""
         super().showEvent(event)
-        self._refresh()
+        self.refresh()
 
-    def _refresh(self) -> None:
+    def refresh(self) -> None:
+        """Show the channels as they are now."""
         session = self._document.session
         if session is None or not self.isVisible():
             return
         for plot in self.plots:
             tracked, edited = values_of(session, plot.channel)
-            plot.show_values(session.take.clip.times, tracked, edited)
+            plot.show_values(session.take.clip.times, tracked, edited, self.devicePixelRatioF())
         self._mark()
 
     def _mark(self) -> None:

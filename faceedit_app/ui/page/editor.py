@@ -350,6 +350,8 @@ class Editor(QWidget):
         """Some more of a wide edit has been computed."""
         self.face.refresh_if_other()
         self.curves.refresh()
+        if self.channels is not None:
+            self.channels.refresh()
 
     def _solved(self) -> None:
         """A wide edit has been computed in full."""
