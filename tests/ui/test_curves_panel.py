@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from collections.abc import Callable
 from itertools import pairwise, product
 
 import pytest
@@ -27,6 +28,7 @@ from support.curves import (
     turn,
 )
 from support.rigs import tiny_rig, tiny_session, tiny_take
+from support.waiting import run_events
 
 from faceedit_app.core.clip import Gap
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, MOUTH_WIDTH
@@ -189,7 +191,7 @@ def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) ->
     layouts = []
     for height in range(style.ROW_HEIGHT, 90):
         header.setFixedHeight(height)
-        layouts.append((height, Layout.of(header, "Mouth width")))
+        layouts.append((height, Layout.of(header, "Mouth width", height)))
     assert [layout.is_low for _, layout in layouts] == sorted(
         (layout.is_low for _, layout in layouts), reverse=True
     )
@@ -201,10 +203,26 @@ def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) ->
         assert layout.note.top() + QFontMetricsF(layout.name_font).height() < height + 1
 
 
+def test_all_rows_have_the_layout_of_the_lowest(panel: CurvesPanel) -> None:
+    shown = [header for header in panel.headers if not header.isHidden()]
+    name = shown[0].control.label
+    rules: tuple[Callable[[Layout], bool], ...] = (
+        lambda at: not at.is_low,
+        lambda at: at.note is not None,
+    )
+    for is_other in rules:
+        height = next(h for h in range(20, 90) if is_other(Layout.of(shown[0], name, h)))
+        total = len(shown) * height - len(shown) // 2
+        panel.resize(panel.width(), panel.height() + total - sum(h.height() for h in shown))
+        run_events()
+        assert {header.height() for header in shown} == {height - 1, height}
+        assert not any(is_other(header._layout()) for header in shown)
+
+
 def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel) -> None:
     for height, header in product(range(style.ROW_HEIGHT, 90, 3), panel.headers):
         header.setFixedHeight(height)
-        layout = Layout.of(header, header.control.label)
+        layout = Layout.of(header, header.control.label, height)
         metrics, bold = QFontMetricsF(layout.name_font), QFontMetricsF(layout.value_font)
         wrap = int(Qt.TextFlag.TextWordWrap)
         name = metrics.boundingRect(layout.name, wrap, header.control.label)

@@ -26,8 +26,7 @@ UNIT = " mm"
 WIDEST = "88.8"  # of the values without a unit
 _NAME, _SMALLEST_NAME = 0.92, 0.72  # of the window's font
 _APART = 3.0  # pixels between name and value
-# Pixels that three lines may move closer: rows differ by a pixel but should look the same.
-_SQUEEZE = 6.0
+_SQUEEZE = 6.0  # pixels that three lines may move closer
 _LEFT = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
 _RIGHT_TOP = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop)
 _RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
@@ -68,8 +67,12 @@ class Layout:
         return room.toAlignedRect()
 
     @classmethod
-    def of(cls, widget: QWidget, label: str) -> Layout:
-        """The layout of a widget."""
+    def of(cls, widget: QWidget, label: str, least: int) -> Layout:
+        """The layout of a widget.
+
+        Args:
+            least: the height of the lowest row: rows differ by a pixel, and should look the same.
+        """
         name, value = style.scaled_font(widget, _NAME), style.scaled_font(widget, 1.08, bold=True)
         height = widget.height()
         room = QRectF(_TEXT_LEFT, 0, widget.width() - _TEXT_LEFT, height)
@@ -77,9 +80,9 @@ class Layout:
         name_height = metrics.boundingRect(room, _LEFT, label).height()
         text_height = name_height + bold.height()
         # Room for names of two lines, even if this one is shorter, so that all rows match.
-        if 2 * metrics.height() + bold.height() > height:
+        if 2 * metrics.height() + bold.height() > least:
             return cls._low(widget, room)
-        with_note = text_height + metrics.height() <= height + _SQUEEZE
+        with_note = text_height + metrics.height() <= least + _SQUEEZE
         whole = text_height + (metrics.height() if with_note else 0.0)
         top = max(0.5 * (height - whole), 0.0)
         closer = min(max(whole - height, 0.0), _SQUEEZE) / (2.0 if with_note else 1.0)
@@ -124,7 +127,8 @@ class Header(QWidget):
         self.value = ""
         self.note = self.share = ""
         self._active = self._chosen = False
-        self._measured: tuple[tuple[int, int, QFont], Layout] | None = None
+        self._least = 0  # the height of the lowest row; 0 = not known yet
+        self._measured: tuple[tuple[int, int, int, QFont], Layout] | None = None
         self.setFixedWidth(style.HEADER_WIDTH - style.AXIS_WIDTH)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
@@ -165,11 +169,18 @@ class Header(QWidget):
             self._chosen = chosen
             self.update()
 
+    def match_rows(self, least: int) -> None:
+        """Be laid out as the lowest row is, whose height this is."""
+        if least != self._least:
+            self._least = least
+            self.update()
+
     def _layout(self) -> Layout:
         """Computed once for each size and font."""
-        key = self.width(), self.height(), self.font()
+        least = min(self._least or self.height(), self.height())
+        key = self.width(), self.height(), least, self.font()
         if self._measured is None or self._measured[0] != key:
-            self._measured = key, Layout.of(self, self.control.label)
+            self._measured = key, Layout.of(self, self.control.label, least)
         return self._measured[1]
 
     def mousePressEvent(self, event: QMouseEvent) -> None:

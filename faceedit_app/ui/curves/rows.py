@@ -5,13 +5,28 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QCoreApplication, QEvent, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QRect, Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
 
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.group_head import GroupHead
 from faceedit_app.ui.curves.header import Header
 from faceedit_app.ui.curves.plot import CurvePlot
+
+
+class _Grid(QGridLayout):
+    """Rows of nearly the same height, whose headers are laid out alike."""
+
+    def __init__(self, content: QWidget, headers: Sequence[Header]) -> None:
+        super().__init__(content)
+        self._headers = headers
+
+    def setGeometry(self, rect: QRect) -> None:
+        """Place the rows, and tell their headers how high the lowest one is."""
+        super().setGeometry(rect)
+        shown = [header for header in self._headers if not header.isHidden()]
+        for header in shown:
+            header.match_rows(min(other.height() for other in shown))
 
 
 class CurveRows(QScrollArea):
@@ -37,7 +52,7 @@ class CurveRows(QScrollArea):
         self._pairs = {row + (row >= main): pair for row, pair in enumerate(pairs)}
         content = QWidget()
         self.setWidget(content)
-        self._grid = QGridLayout(content)
+        self._grid = _Grid(content, headers)
         self._grid.setHorizontalSpacing(0)
         self._grid.setVerticalSpacing(style.ROW_GAP)
         self._grid.addWidget(head, main, 0, 1, 2)
