@@ -168,6 +168,7 @@ def test_the_character_s_line_shows_only_where_it_is_open_wider() -> None:
     session.use_character(leaky_rig())
     curves.refresh()
     line, face = curves.lines(opening).character, session.achieved[:, opening]
+    assert face.max() < line.y.max() <= curves.extent(opening)[1], "the axis has room for it"
     assert len(line.x) > 0
     above = line.y - np.interp(line.x, clip.times, face)
     assert above.max() > 1.0

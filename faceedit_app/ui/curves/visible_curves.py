@@ -225,12 +225,13 @@ class VisibleCurves:
         return Polyline(x, y, None, face.thinned)
 
     def extent(self, curve: int) -> Interval:
-        """Lowest and highest value in view of all three lines, as far as a face can go."""
-        y = self._y[:, self._places[curve]]
-        low, high = float(y.min()), float(y.max())
+        """Lowest and highest value in view of all lines, as far as a face can go."""
+        drawn = [self._y[:, self._places[curve]]]
         if self._filled is not None:
-            face = self.lines(curve).face.y
-            low, high = min(low, float(face.min())), max(high, float(face.max()))
+            drawn.append(self.lines(curve).face.y)
+        drawn.append(self._character.get(curve, EMPTY).y)
+        low = min(float(y.min()) for y in drawn if y.size)
+        high = max(float(y.max()) for y in drawn if y.size)
         return self.bounded(curve, low), self.bounded(curve, high)
 
     def bounded(self, curve: int, value: float) -> float:
