@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QComboBox
 from support.character_files import write_glb, write_objs
 from support.waiting import run_events, wait_for_background
 from support.windows import Bench, add_edit, drop, editor_of, session_of, trigger
@@ -158,7 +159,13 @@ def test_another_shape_is_chosen_in_the_table_and_saved_beside_the_character(
     model = checklist.table.model()
     row = next(r for r in range(model.rowCount()) if model.index(r, 0).data() == "jawOpen")
     first = window.document.character
-    model.setData(model.index(row, SHAPE), "mouthFunnel")
+    checklist.table.edit(model.index(row, SHAPE))
+    box = checklist.table.findChild(QComboBox)
+    assert isinstance(box, QComboBox)
+    assert box.currentText() == "jawOpen"
+    bench.qtbot.waitUntil(box.view().isVisible)
+    box.view().setCurrentIndex(box.model().index(box.findText("mouthFunnel"), 0))
+    QTest.keyClick(box.view(), Qt.Key.Key_Return)
     bench.qtbot.waitUntil(lambda: window.document.character is not first)
     assert window.document.character is not None
     assert window.document.character.match.matched["jawOpen"] == ("mouthFunnel",)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from PySide6.QtCore import QRect, QRectF
 from PySide6.QtGui import QColor, QImage, QPainter
@@ -90,4 +92,11 @@ def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> N
 
 def test_no_edit_is_said_to_begin_before_the_take() -> None:
     edit = Edit(("mouth_opening",), Op.OFFSET, -0.03, 0.03, 0.1, 4.0)
-    assert columns(edit)[0] == "0.00 – 0.03 s"
+    assert columns(edit)[0] == "0.000 – 0.030 s"
+
+
+def test_a_short_range_reads_as_long_as_it_is() -> None:
+    edit = Edit(("left_eyelid",), Op.SCALE, 1.195, 1.205, 0.04, 1.0)
+    assert columns(edit)[0] == "1.195 – 1.205 s"
+    assert columns(replace(edit, end=1.195))[0] == "1.20 s"
+    assert columns(replace(edit, end=1.3))[0] == "1.20 – 1.30 s"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, Qt, Signal
+from PySide6.QtCore import QAbstractTableModel, Qt, QTimer, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -24,6 +24,7 @@ from faceedit_app.ui.look.level_fields import LEVEL_HEADS, LEVEL_TIPS, LevelDele
 from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.palette import MUTED, ORANGE
 from faceedit_app.ui.look.texts import plain_tip
+from faceedit_app.ui.look.widgets import Choice
 
 NO_SHAPE = "– no shape –"
 _HEADS = ("Channel", "Shape in the file", *LEVEL_HEADS, "Note")
@@ -182,15 +183,23 @@ class ShapeTable(QTableView):
 
 
 class _ShapeDelegate(QStyledItemDelegate):
-    """Edits a shape with a list that can be typed in."""
+    """Edits a shape with a list, which is open at once; letters find a name in it."""
 
     def createEditor(
         self, parent: QWidget, _option: QStyleOptionViewItem, index: Index
     ) -> QComboBox:
         model = index.model()
         assert isinstance(model, ShapeModel)
-        box = QComboBox(parent)
+        box = Choice()
+        box.setParent(parent)
         box.addItems([NO_SHAPE, *model.targets])
+
+        def choose() -> None:
+            self.commitData.emit(box)
+            self.closeEditor.emit(box)
+
+        box.activated.connect(choose)
+        QTimer.singleShot(0, box, box.showPopup)  # once it has its place and its text
         return box
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:

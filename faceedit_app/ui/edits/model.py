@@ -24,7 +24,7 @@ from faceedit_app.ui.edits.groups import Key, groups_of, key_of
 from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.time_display import Unit, label
+from faceedit_app.ui.state.time_display import Unit, label, shown_seconds
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.typed_time import typed_range
 
@@ -282,7 +282,7 @@ def columns(
     last = clip.duration if clip is not None else math.inf  # a paste may go on beyond the take
     ends = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
     if clip is None or unit is Unit.SECONDS:
-        start, end = (f"{seconds:.2f}" for seconds in ends)
+        start, end = shown_seconds(*ends)
         tail = " s"
     else:
         start, end = (label(clip, seconds, unit) for seconds in ends)

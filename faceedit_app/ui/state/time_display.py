@@ -9,6 +9,8 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timing import format_time
 
+_SHORT = 0.1  # seconds; the ends of a shorter range could read the same without milliseconds
+
 
 class Unit(StrEnum):
     """A unit in which times are shown."""
@@ -72,10 +74,16 @@ def shown_time(clip: Clip, seconds: float, unit: Unit) -> str:
     return f"{seconds:.3f} s" if unit is Unit.SECONDS else label(clip, seconds, unit)
 
 
+def shown_seconds(start: float, end: float) -> tuple[str, str]:
+    """The ends of a range in seconds, with milliseconds if it is short."""
+    digits = 3 if 0.0 < end - start < _SHORT else 2
+    return f"{start:.{digits}f}", f"{end:.{digits}f}"
+
+
 def shown_range(clip: Clip, start: float, end: float, unit: Unit) -> str:
     """A range in the chosen unit, such as `2.50 to 3.00 s` or `frames 151 to 181`."""
     if unit is Unit.SECONDS:
-        return f"{start:.2f} to {end:.2f} s"
+        return "{} to {} s".format(*shown_seconds(start, end))
     first, last = (label(clip, seconds, unit) for seconds in (start, end))
     return f"{'frames ' if unit is Unit.FRAMES else ''}{first} to {last}"
 
