@@ -78,7 +78,8 @@ def test_a_report_shows_film_tracked_and_edited_face(tmp_path: Path) -> None:
     mp4.write_text("my only recording")
     side_by_side = SideBySide.of_tracked(tracked, edited)
     straight, followed = side_by_side.faces
-    turns = np.tile(np.float32([0.6, 0, 0, 0, 0, 0, 0, 0, 0]), (len(weights), 1))
+    turns = np.zeros((len(weights), 9), np.float32)
+    turns[:, 0] = 0.6
     faces = straight, replace(followed, turns=turns)
     picture, backups = write_side_by_side(mp4, replace(side_by_side, faces=faces), rig)
     assert backups == (tmp_path / "both.mp4.bak", None)

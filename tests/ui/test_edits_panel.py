@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -51,6 +53,22 @@ def click(panel: EditsPanel, row: int, x: int = 60) -> None:
 
 def names(window: MainWindow) -> list[str]:
     return [edit.name for edit in session_of(window).edits]
+
+
+def test_a_menu_may_count_the_selection_before_the_list_knows_of_a_change(
+    window: MainWindow,
+) -> None:
+    panel, session = panel_of(window), session_of(window)
+    lips = ("upper_lip", "lower_lip", "mouth_width")
+    session.add(*(Edit((lip,), Op.OFFSET, 2.0, 2.5, 0.1, 1.0, 0.1, name="Pasted") for lip in lips))
+    panel.select(len(NAMES))
+    assert (panel.rows, panel.model.counted(panel.rows)) == ([3, 4, 5], "edit")
+    with session.changed.blocked():
+        session.undo()
+        session.add(replace(session.edits[0], start=2.0, end=2.5))
+        assert panel.model.counted(panel.rows) == "edit"
+    session.changed.emit()
+    assert panel.model.rowCount() == len(NAMES) + 1
 
 
 def test_without_edits_it_says_what_belongs_here(bench: Bench) -> None:

@@ -126,8 +126,9 @@ def test_a_take_that_loads_slowly_clears_the_old_one_and_shows_that_it_loads(
 def test_the_title_changes_with_curves_and_face(
     bench: Bench, window: MainWindow, other: Path
 ) -> None:
-    page, seen = window.editor, list[str]()
-    assert page is not None
+    editor, seen = window.editor, list[str]()
+    assert editor is not None
+    page = editor
 
     class Watch(QObject):
         def eventFilter(self, watched: QObject, event: QEvent) -> bool:

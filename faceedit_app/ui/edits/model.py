@@ -50,7 +50,7 @@ class EditsModel(QAbstractListModel):
         super().__init__(document)
         self._document, self._timeline = document, timeline
         self._open: set[Key] = set()  # groups whose edits are shown
-        self._groups: dict[int, range] = {}  # the group of each row, by row
+        self._grouped: tuple[Sequence[Edit], dict[int, range]] = (), {}
         self._count = 0  # rows that the view knows
 
     @property
@@ -65,7 +65,6 @@ class EditsModel(QAbstractListModel):
         With as many edits as before, the view keeps its rows: after a reset, the release of the
         click that changed one would find no row, and select none.
         """
-        self._groups = {row: group for group in groups_of(self.edits) for row in group}
         count = len(self.edits)
         if count == self._count:
             if count:
@@ -76,6 +75,14 @@ class EditsModel(QAbstractListModel):
         self.endResetModel()
 
     # --- groups ------------------------------------------------------------------------------
+
+    @property
+    def _groups(self) -> dict[int, range]:
+        """The group of each row, by row. Menus may ask before the list knows of a change."""
+        edits = self.edits
+        if self._grouped[0] is not edits:
+            self._grouped = edits, {row: group for group in groups_of(edits) for row in group}
+        return self._grouped[1]
 
     def is_open(self, row: int) -> bool:
         """Whether the edits of a row's group are shown."""

@@ -8,13 +8,12 @@ from PySide6.QtCore import QEvent, QLocale, QObject, Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QValidator, QWheelEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QStyledItemDelegate, QWidget
 
+from faceedit_app.ui.look.number_text import NumberText
 from faceedit_app.ui.look.refused import show_refused
 
 _NUMBER = re.compile(r"[+-]?(?:\d{1,30}(?:[.,]\d{0,30})?|[.,]\d{1,30})", re.ASCII)
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _AWAY = (Qt.FocusReason.PopupFocusReason, Qt.FocusReason.ActiveWindowFocusReason)
-
-from faceedit_app.ui.look.number_text import NumberText
 
 
 class NumberBox(QDoubleSpinBox):
