@@ -13,6 +13,9 @@ from typing import IO
 import pytest
 
 from faceedit_app.cli import main
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files.journal import Journal
+from faceedit_app.editing.steps import EditState
 from faceedit_app.lab.attacks import kill as killing
 from faceedit_app.lab.attacks import kill_series
 from faceedit_app.lab.attacks.kill import kill
@@ -67,7 +70,7 @@ def test_what_goes_wrong_ends_the_attack_and_is_said(
     if "wait" in ends:  # killed once it has made its step
         monkeypatch.setattr(kill_series._Plan, "moment", _at_once_after_a_step)
     found = kill(5, seed=1, jobs=1)
-    assert found.problems == [problem]
+    assert found.problems == [f"{problem} (window “1 0”)" if "wait" in ends else problem]
     assert found.kills.total() == 1
 
 
@@ -107,6 +110,23 @@ def test_a_stop_ends_at_once_and_keeps_the_count(monkeypatch: pytest.MonkeyPatch
     assert not found.problems
     assert found.kills == {"gestures": 1}
     assert kill(5, 1, seconds=-1.0).lines() == ["0 kills, 0 steps"]
+
+
+@pytest.mark.parametrize("before", ["saved", "lost"])
+def test_a_gesture_that_was_written_but_not_said_is_told_from_a_lost_one(
+    tmp_path: Path, before: str
+) -> None:
+    series = Series(tmp_path)
+    series._known.state = before
+    series._known.saved.add("saved")
+    journal = Journal(tmp_path / "take.csv", folder=tmp_path / "journals")
+    journal.record(EditState((Edit(("mouth_opening",), Op.OFFSET, 1.0, 2.0, 0.2, 3.0),)))
+    content = journal.path.read_bytes()
+    journal.close()
+    journal.path.write_bytes(content)  # as after a kill: there, and not locked
+    series._check()
+    wrong = ["the journal does not hold the last finished gesture"]
+    assert series.killed.problems == (wrong if before == "lost" else [])
 
 
 @pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
