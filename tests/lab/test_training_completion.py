@@ -40,6 +40,12 @@ def fitted(settings: TrainingSettings, **more: object) -> TrainedCompletion:
     return trained
 
 
+@pytest.fixture(scope="module")
+def whole() -> TrainedCompletion:
+    """Trained by `small()` in one go."""
+    return fitted(small())
+
+
 def test_what_is_right_has_to_stay_in_about_half_of_the_examples() -> None:
     made = examples()
     wrong = np.abs(made.truth * made.share).max(axis=(1, 2)) > 0.05
@@ -72,21 +78,21 @@ def test_chance_comes_from_the_seed_alone() -> None:
     assert len(one) != len(other) or (one.features != other.features).any()
 
 
-def test_same_seed_gives_the_same_file() -> None:
-    first, second = (fitted(small()).content() for _ in range(2))
-    assert first == second
-    assert first != fitted(small(seed=2)).content()
+def test_same_seed_gives_the_same_file(whole: TrainedCompletion) -> None:
+    assert fitted(small()).content() == whole.content()
+    assert fitted(small(seed=2)).content() != whole.content()
 
 
 class Interrupted(Exception):
     pass
 
 
-def test_interrupted_training_goes_on_to_the_same_network(tmp_path: Path) -> None:
+def test_interrupted_training_goes_on_to_the_same_network(
+    tmp_path: Path, whole: TrainedCompletion
+) -> None:
     def cut(epoch: Epoch) -> None:
         raise Interrupted
 
-    whole = fitted(small())
     with pytest.raises(Interrupted):
         fit_completion(LOWER, TAKES, RIG, small(), cut, tmp_path)
     again = fitted(small(), checkpoints=tmp_path)
@@ -94,13 +100,12 @@ def test_interrupted_training_goes_on_to_the_same_network(tmp_path: Path) -> Non
     assert again.history == whole.history
 
 
-def test_the_file_answers_as_the_network(tmp_path: Path) -> None:
-    trained = fitted(small())
-    save_completion(tmp_path / "lower.onnx", trained)
+def test_the_file_answers_as_the_network(tmp_path: Path, whole: TrainedCompletion) -> None:
+    save_completion(tmp_path / "lower.onnx", whole)
     seen = examples().features[0]
     share, further = read_completion(tmp_path / "lower.onnx")(seen.T.astype(np.float64))
     with torch.inference_mode():
-        wanted = trained.network(torch.from_numpy(seen)[None])[0].T.numpy()
+        wanted = whole.network(torch.from_numpy(seen)[None])[0].T.numpy()
     np.testing.assert_allclose(share, wanted[:, 0], atol=1e-4)
     np.testing.assert_allclose(further, wanted[:, 1:], atol=1e-4)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import torch
 from support.performances import RIG, performance, smallest, tiny
 
 from faceedit_app.core.regions import REGIONS
-from faceedit_app.lab.training.fit import Epoch, fit_region
+from faceedit_app.lab.training.fit import Epoch, FittedRegion, fit_region
 from faceedit_app.lab.training.holden import fit_holden
 from faceedit_app.lab.training.loop import rate
 from faceedit_app.lab.training.model_files import TrainedRegion, load_trained, save_trained
@@ -19,6 +20,12 @@ from faceedit_app.networks.region import read_region
 
 LOWER, UPPER, EYELIDS = REGIONS
 TAKES = [performance(25.0, seed=s) for s in range(2)]
+
+
+@lru_cache
+def whole(recipe: str = "faceedit") -> FittedRegion:
+    """Trained in one go, as `tiny` says."""
+    return fit_region(EYELIDS, TAKES, RIG, tiny(recipe))
 
 
 def state(model: TrainedRegion) -> dict[str, torch.Tensor]:
@@ -34,7 +41,7 @@ def same(a: TrainedRegion, b: TrainedRegion) -> bool:
 
 @pytest.mark.parametrize("recipe", ["faceedit", "paper"])
 def test_same_seed_gives_the_same_networks(recipe: str) -> None:
-    first, second = (fit_region(EYELIDS, TAKES, RIG, tiny(recipe)) for _ in range(2))
+    first, second = whole(recipe), fit_region(EYELIDS, TAKES, RIG, tiny(recipe))
     assert same(first.model, second.model)
     assert first.mse == second.mse
     one, two = first.model.description, second.model.description
@@ -52,7 +59,6 @@ class Interrupted(Exception):
 def test_interrupted_training_goes_on_to_the_same_networks(
     tmp_path: Path, recipe: str, after: int
 ) -> None:
-    whole = fit_region(EYELIDS, TAKES, RIG, tiny(recipe))
     seen: list[Epoch] = []
 
     def cut(epoch: Epoch) -> None:
@@ -65,8 +71,8 @@ def test_interrupted_training_goes_on_to_the_same_networks(
     later: list[Epoch] = []
     resumed = fit_region(EYELIDS, TAKES, RIG, tiny(recipe), later.append, checkpoints=tmp_path)
     assert len(later) == 5 - after
-    assert same(whole.model, resumed.model)
-    assert whole.histories == resumed.histories
+    assert same(whole(recipe).model, resumed.model)
+    assert whole(recipe).histories == resumed.histories
 
 
 def test_checkpoint_of_another_training_is_not_used(tmp_path: Path) -> None:
@@ -79,13 +85,13 @@ def test_checkpoint_of_another_training_is_not_used(tmp_path: Path) -> None:
 
 
 def test_damaged_checkpoint_means_starting_again(tmp_path: Path) -> None:
-    whole = fit_region(EYELIDS, TAKES, RIG, tiny(), checkpoints=tmp_path)
+    fit_region(EYELIDS, TAKES, RIG, tiny(), checkpoints=tmp_path)
     kept = list(tmp_path.iterdir())
     assert kept
     for path in kept:
         path.write_bytes(path.read_bytes()[:200])
     again = fit_region(EYELIDS, TAKES, RIG, tiny(), checkpoints=tmp_path)
-    assert same(whole.model, again.model)
+    assert same(whole().model, again.model)
 
 
 def test_stop_keeps_the_best_epoch_so_far() -> None:
@@ -155,7 +161,7 @@ def test_fitted_networks_answer_from_their_file_as_in_torch(tmp_path: Path, reci
 
 
 def test_finetuning_starts_from_the_given_networks() -> None:
-    base = fit_region(EYELIDS, TAKES, RIG, tiny()).model
+    base = whole().model
     weights, low = state(base), base.description.low.copy()
     other = [performance(25.0, seed=9)]
     idle = tiny(epochs_regressor=0, epochs_autoencoder=0)

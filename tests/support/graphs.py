@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import onnx
 
@@ -19,6 +21,7 @@ Template = Callable[..., onnx.ModelProto]
 def kept_in(folder: Path) -> Template:
     """What exports a graph once, and reads it from a folder from then on."""
     exported: Template = export._template
+    _know_operators()
 
     @lru_cache
     def kept(kind: type[Architecture], controls: int, channels: int, text: str) -> onnx.ModelProto:
@@ -29,3 +32,14 @@ def kept_in(folder: Path) -> Template:
         return onnx.load_model(path)
 
     return kept
+
+
+def _know_operators() -> None:
+    """Let torch compile its operators for ONNX once in this process, and not for each graph."""
+    with suppress(ImportError, AttributeError):  # it only saves time
+        from torch.onnx._internal.exporter import _registration
+
+        registry: Any = _registration.ONNXRegistry
+        known = registry.from_torchlib
+        if not hasattr(known, "cache_info"):
+            registry.from_torchlib = staticmethod(lru_cache(known))
