@@ -53,7 +53,8 @@ class Desk:
     Args:
         folder: for the window's settings, to leave the user's alone.
         rig, engine: the character and the networks.
-        rest: share of the usual time in which it comes to rest between measurements.
+        rest: share of the usual time in which it comes to rest between measurements, and of the
+            usual steps that warm it up.
     """
 
     def __init__(
@@ -103,6 +104,11 @@ class Desk:
         until = time.perf_counter() + self._rest * seconds
         while time.perf_counter() < until or self.editor.solving.is_busy:
             self.app.processEvents()
+
+    def warm_up(self, step: Callable[[], object], times: int) -> None:
+        """Do steps that are not measured."""
+        for _ in range(round(self._rest * times)):
+            step()
 
     # --- the mouse -----------------------------------------------------------------------------
 

@@ -50,15 +50,16 @@ class BenchPlan:
 
     repetitions: int = 200
     lengths: tuple[int, ...] = (202, 2_000, 20_000, 200_000)
+    peaks: tuple[int, ...] = lengths  # takes on which the window is started for its memory
     sizes: tuple[int, ...] = (640, 1024)
     listed: tuple[int, int] = (busy.FRAMES, busy.EDITS)  # frames, edits
     seconds: float = 5.0  # of playback
     starts: int = 5
     compared: bool = True
-    rest: float = 1.0  # share of the time in which the window comes to rest between measurements
+    rest: float = 1.0  # see `Desk`
 
 
-QUICK = BenchPlan(6, (202, 1_000), (640,), (1_000, 20), 0.5, 1, False, 0.1)
+QUICK = BenchPlan(6, (202, 1_000), (202,), (640,), (1_000, 20), 0.5, 1, False, 0.1)
 
 
 def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
@@ -155,7 +156,7 @@ def _starts(plan: BenchPlan) -> tuple[dict[str, float], dict[str, float]]:
         key: float(np.median([run[key] for run in runs])) for key in ("window", "face", "edit")
     }
     peaks = {"demo": runs[-1]["peak_mb"]}
-    for frames in plan.lengths:
+    for frames in plan.peaks:
         peaks[str(frames)] = starting.start(frames)["peak_mb"]
     return start, peaks
 

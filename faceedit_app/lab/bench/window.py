@@ -43,8 +43,7 @@ def _begin_drag(desk: Desk, rig: Rig | None = None) -> Callable[[], float]:
     desk.window.timeline.select((0.0, clip.duration))
     desk.press(LIP_OPENING, clip.duration / 2)
     once = desk.dragged(LIP_OPENING)
-    for _ in range(20):
-        once()
+    desk.warm_up(once, 20)
     return once
 
 
@@ -128,8 +127,7 @@ def _drag_of_one(desk: Desk, times: int) -> Timings:
     line.select((line.time - 0.2, line.time + 0.2))
     desk.press(LIP_OPENING, line.time)
     once = desk.dragged(LIP_OPENING)
-    for _ in range(10):
-        once()
+    desk.warm_up(once, 10)
     steps = Timings([once() for _ in range(times)])
     desk.cancel()
     return steps
@@ -154,8 +152,7 @@ def _length(desk: Desk, frames: int, times: int) -> dict[str, Any]:
     moment = line.time
     desk.press(LIP_OPENING, moment)
     once = desk.dragged(LIP_OPENING)
-    for _ in range(10):
-        once()
+    desk.warm_up(once, 10)
     local = Timings([once() for _ in range(times)])
     desk.cancel()
     line.show_range(0.0, clip.duration)
