@@ -104,20 +104,18 @@ def run_tests(project: Path, *tests: str) -> None:
 
 
 @pytest.mark.timeout(300)
-def test_controls_take_rows_of_the_tables_a_character_and_a_model(project: Path) -> None:
-    core = project / "faceedit_app" / "core"
-    insert(core / "controls.py", CONTROLS.rstrip(), before="\n)\n\nCONTROL_IDS")
-    insert(core / "regions.py", REGIONS, before="\nREGIONS: ")
-    insert(core / "regions.py", ", TONGUE, LIPS", before=")\n# The name of the group")
-    run_tests(project, "tests/additions/more_controls.py", "tests/core/test_controls.py")
-
-
-@pytest.mark.timeout(300)
-def test_a_fix_takes_one_preset_file(project: Path) -> None:
-    presets = project / "faceedit_app" / "editing" / "help" / "presets"
+def test_controls_take_rows_of_the_tables_and_a_fix_one_preset_file(project: Path) -> None:
+    """Both in one copy: a process that runs tests takes seconds to start."""
+    package = project / "faceedit_app"
+    insert(package / "core" / "controls.py", CONTROLS.rstrip(), before="\n)\n\nCONTROL_IDS")
+    insert(package / "core" / "regions.py", REGIONS, before="\nREGIONS: ")
+    insert(package / "core" / "regions.py", ", TONGUE, LIPS", before=")\n# The name of the group")
+    presets = package / "editing" / "help" / "presets"
     (presets / "13_wink.json").write_text(json.dumps(WINK), encoding="utf-8")
     run_tests(
         project,
+        "tests/additions/more_controls.py",
+        "tests/core/test_controls.py",
         "tests/additions/another_fix.py",
         "tests/ui/test_actions.py::test_the_table_is_sound",
         "tests/ui/test_fix_commands.py::test_every_fix_is_one_step_and_ready_to_be_weakened",
