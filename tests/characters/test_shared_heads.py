@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.character_files import places_of_obj
 from support.faces import shipped_rig
 from support.places import ROOT, SHARED
 
@@ -40,8 +41,7 @@ def ict(tmp_path_factory: pytest.TempPathFactory) -> FittedCharacter:
     vertices = stored["vertices_cm"]
     shapes = {"neutral": 0.0} | dict(zip(stored["names"], stored["deltas_cm"], strict=True))
     for name, moves in shapes.items():
-        rows = "\n".join("v {:.5f} {:.5f} {:.5f}".format(*row) for row in vertices + moves)
-        (folder / f"{name}.obj").write_text(f"{rows}\n{faces}\n")
+        (folder / f"{name}.obj").write_text(f"{places_of_obj(vertices + moves)}{faces}\n")
     return open_character(folder)
 
 

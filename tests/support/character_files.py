@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from faceedit_app.core.arrays import Doubles
@@ -299,6 +300,11 @@ def write_vrm(
 # --- OBJ -----------------------------------------------------------------------------------------
 
 
+def places_of_obj(vertices: NDArray[np.floating]) -> str:
+    """(V, 3) as lines of an OBJ file: formatted in one go, that takes a quarter of the time."""
+    return "v %.6f %.6f %.6f\n" * len(vertices) % tuple(vertices.ravel().tolist())
+
+
 def write_objs(folder: Path, names: Names = same, scale: float = 0.1) -> Path:
     """A folder of OBJ files in centimetres, Z up and looking along -Y, as some programs write."""
     head = small_head()
@@ -308,7 +314,7 @@ def write_objs(folder: Path, names: Names = same, scale: float = 0.1) -> Path:
     shapes = {"neutral": np.zeros_like(head.vertices)} | targets_of(head, names)
     for name, moves in shapes.items():
         x, y, z = ((head.vertices + moves) * scale).T
-        rows = "\n".join(f"v {a:.6f} {-c:.6f} {b:.6f}" for a, b, c in zip(x, y, z, strict=True))
-        text = f"# a head\n{rows}\n{coordinates}\nusemtl skin\n{faces}\n"
+        rows = places_of_obj(np.stack((x, -z, y), axis=1))
+        text = f"# a head\n{rows}{coordinates}\nusemtl skin\n{faces}\n"
         (folder / f"{name}.obj").write_text(text)
     return folder
