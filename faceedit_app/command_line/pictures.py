@@ -22,6 +22,7 @@ from faceedit_app.command_line.progress import bar
 from faceedit_app.core.atomic import check_folder, check_outputs, keep_inputs
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.texts import say
+from faceedit_app.media import beside
 
 if TYPE_CHECKING:
     from faceedit_app.editing.filming import FilmView, Shot
@@ -80,7 +81,6 @@ def render(
     models: ModelsOption = None,
 ) -> None:
     """Draw the face at a time of a take, or film the whole take."""
-    from faceedit_app.media import beside
 
     heard, seen = beside(take.absolute())
     shot = _shot(output, form, view, size, film_fps, not silent, follow_head)

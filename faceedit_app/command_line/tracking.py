@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import threading
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
@@ -17,6 +18,7 @@ from faceedit_app.command_line.options import JsonOption, check_csv
 from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import check_folder, check_writable, keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError, Unavailable, reason_of
+from faceedit_app.media import FILM_ENDINGS
 
 _REPORT = "side_by_side"  # the name of its files
 
@@ -119,8 +121,6 @@ def webcam(
     sound: Annotated[bool, typer.Option(help="Record the microphone.")] = True,
 ) -> None:
     """Record a film from a webcam, to be tracked."""
-    import threading
-
     from faceedit_app.media.microphone import Microphone
     from faceedit_app.media.webcam import WebcamRecorder, find_webcam
 
@@ -183,7 +183,6 @@ def _written(take: Path, report: Path | None) -> list[Path]:
 
 def _jobs(film: Path, output: Path | None) -> list[tuple[Path, Path]]:
     """The films and the takes to write."""
-    from faceedit_app.media import FILM_ENDINGS
 
     if not on_disk.exists(film):
         raise FileError(film, "does not exist", "check the name and the folder")

@@ -21,6 +21,7 @@ from faceedit_app.command_line.options import (
 from faceedit_app.core.atomic import check_outputs, keep_inputs
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.texts import say
+from faceedit_app.media import beside, is_media
 
 if TYPE_CHECKING:
     from faceedit_app.editing.help.dubbing import DubMatch
@@ -100,7 +101,6 @@ def words(
     With --retime-to, the take says its words when another sound does. With --character, the lips
     are measured, and close, on that character.
     """
-    from faceedit_app.media import is_media
     from faceedit_app.words.aligning import TextLine
     from faceedit_app.words.files import as_tables, read_words, write_words
     from faceedit_app.words.imported import Imported
@@ -137,7 +137,6 @@ def words(
 
 def _read(source: Path, *others: Path | None) -> tuple[Path | None, ...]:
     """The files that are read besides a take: also the sound and the film beside it."""
-    from faceedit_app.media import beside, is_media
 
     return others if is_media(source) else (*others, *beside(source.absolute()))
 
@@ -175,7 +174,6 @@ def _check_written(output: Path | None, fix: bool, retime_to: Path | None) -> No
 def _check_kinds(source: Path, save: Path | None, output: Path | None, overwrite: bool) -> None:
     """Check that what is written is no recording, and has an ending for words."""
     from faceedit_app.editing.files.originals import is_replaced
-    from faceedit_app.media import is_media
     from faceedit_app.words.files import writer_for
 
     keep_inputs([save], [source])
@@ -264,7 +262,6 @@ def _match(
 ) -> tuple[DubMatch, float | None]:
     """Retime a take to another sound, which ends at a second, or to a file with its words."""
     from faceedit_app.editing.help.dubbing import keep, match
-    from faceedit_app.media import is_media
     from faceedit_app.words.aligning import TextLine
     from faceedit_app.words.files import read_words
     from faceedit_app.words.imported import Imported, spread
