@@ -28,6 +28,8 @@ from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned
+from faceedit_app.media.film import Film
+from faceedit_app.media.film_writer import Soundtrack, film_format, writing
 from faceedit_app.media.sound import Sound, read_sound, wav
 
 if TYPE_CHECKING:
@@ -241,9 +243,6 @@ def _write_film(
     progress: Callable[[float], bool],
 ) -> None:
     """Write the film with the same splices."""
-    from faceedit_app.media.film import Film
-    from faceedit_app.media.film_writer import Soundtrack, film_format, writing
-
     heard = read_sound(paths[0]) if has_sound else None
     track = None if heard is None else Soundtrack(heard)
     source = Film(film.path)

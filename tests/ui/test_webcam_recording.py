@@ -15,7 +15,7 @@ from support.films import make_film
 from support.windows import Bench, open_path, trigger
 
 from faceedit_app.core.errors import FaceEditError, Unavailable
-from faceedit_app.media import microphone, webcam
+from faceedit_app.media import webcam
 from faceedit_app.media.film import Film
 from faceedit_app.media.webcam import Webcam
 from faceedit_app.ui.commands.webcam import suggested_film
@@ -72,7 +72,7 @@ def webcams(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Webcams:
     monkeypatch.setattr(webcam, "webcams", lambda: made.found)
     monkeypatch.setattr(webcam, "pictures_of", made.frames)
     monkeypatch.setattr(webcam_dialog, "_SECOND_MS", 10)
-    monkeypatch.setattr(microphone, "Microphone", no_microphone)
+    monkeypatch.setattr(webcam_dialog, "Microphone", no_microphone)
     return made
 
 

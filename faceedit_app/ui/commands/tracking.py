@@ -14,7 +14,7 @@ from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.media import beside
 from faceedit_app.media.container import Abandoned, has_sound
 from faceedit_app.tracking.film_landmarks import Chosen, NoFaceThere
-from faceedit_app.tracking.landmark_file import files_of
+from faceedit_app.tracking.landmark_file import files_of, write_landmarks
 from faceedit_app.ui.commands.places import refuse_open
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.look.texts import sentence
@@ -76,7 +76,6 @@ class FilmTracking:
 
         def work() -> Tracked:
             # Imported here, in the background, as it takes a moment.
-            from faceedit_app.tracking.landmark_file import write_landmarks
             from faceedit_app.tracking.tracker import track_film, write_take
 
             tracked = track_film(

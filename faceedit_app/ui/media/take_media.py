@@ -14,6 +14,7 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.media import MediaFile, Placement, describe_added
 from faceedit_app.formats.timecode import time_of_day
 from faceedit_app.media import beside, offset_by_clock
+from faceedit_app.media.container import find_film, opened
 from faceedit_app.ui.media.overlay import LandmarksOverlay
 from faceedit_app.ui.state.background import Background
 
@@ -384,8 +385,6 @@ def _differ(old: Placed[Any] | None, new: Placed[Any] | None) -> tuple[bool, boo
 
 def _contents(path: Path) -> tuple[bool, bool]:
     """Whether a file has sound, and film."""
-    from faceedit_app.media.container import find_film, opened
-
     with opened(path) as container:
         has = bool(container.streams.audio), find_film(container) is not None
     if not any(has):

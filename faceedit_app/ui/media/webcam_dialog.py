@@ -7,7 +7,6 @@ import time
 from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
@@ -23,14 +22,13 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.core.arrays import Pixels
 from faceedit_app.core.errors import FaceEditError, Unavailable
+from faceedit_app.media.microphone import Microphone
+from faceedit_app.media.webcam import Webcam, WebcamRecorder
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.palette import PANEL
 from faceedit_app.ui.look.texts import Message
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Choice
-
-if TYPE_CHECKING:  # these bring much along
-    from faceedit_app.media.webcam import Webcam, WebcamRecorder
 
 COUNTDOWN = 3
 _SECOND_MS = 1000
@@ -168,8 +166,6 @@ class WebcamDialog(QDialog):
 
     def _look(self) -> None:
         """Show the chosen webcam."""
-        from faceedit_app.media.webcam import WebcamRecorder
-
         if self._recorder is not None:
             self._recorder.close()
         self.mirror.show_picture(None)
@@ -223,8 +219,6 @@ class WebcamDialog(QDialog):
             self._begin()
 
     def _begin(self) -> None:
-        from faceedit_app.media.microphone import Microphone
-
         self._countdown.stop()
         self.mirror.show_count(0)
         assert self._recorder is not None
