@@ -14,6 +14,7 @@ from faceedit_app.render import contexts
 from faceedit_app.render.camera import Camera, default_camera
 
 _SMALL = 64  # pixels
+_SAMPLES = 4  # for each pixel of a smooth image
 SLATE = (0x25 / 255, 0x28 / 255, 0x2F / 255)
 
 
@@ -87,10 +88,8 @@ class FaceRenderer:
         """
         if self._studio is None:
             raise _closed()
-        from faceedit_app.render.studio import SAMPLES
-
         height, width = self._image.shape[:2]
-        samples = SAMPLES if smooth else 0
+        samples = _SAMPLES if smooth else 0
         self._studio.begin(vertices, camera, width, height, samples, tint, self.fine, self.doubled)
 
     def finish(self) -> Pixels:

@@ -27,7 +27,6 @@ from faceedit_app.render.shade import bake_shade
 from faceedit_app.render.surface import NormalSolver, vertex_looks
 from faceedit_app.render.targets import StillParts, Target, Targets, View
 
-SAMPLES = 4
 _FINE = 1_200_000  # pixels, up to which fine pictures are drawn at twice their width and height,
 _DOUBLED = 4_000_000  # and doubled ones
 _DEPTH_SIZE = 320  # pixels of the depth images for the baked shade

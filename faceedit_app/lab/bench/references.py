@@ -23,6 +23,7 @@ from faceedit_app.core.resources import CHARACTER, shipped
 from faceedit_app.core.rig import Rig
 from faceedit_app.lab.bench.clocks import Timings, repeat
 from faceedit_app.lab.bench.desk import long_take
+from faceedit_app.lab.training.settings import TrainingSettings
 from faceedit_app.networks.engine import ENDING, Engine
 from faceedit_app.render.camera import FAR, FIELD_OF_VIEW, NEAR, default_camera
 
@@ -73,7 +74,6 @@ def in_torch(architecture: str, times: int) -> Timings | None:
     import torch
 
     from faceedit_app.lab.training.architectures import ARCHITECTURES
-    from faceedit_app.lab.training.settings import TrainingSettings
 
     kind, settings = ARCHITECTURES[architecture], TrainingSettings()
     nets = [kind.of(len(r.controls), len(r.channels), settings).eval() for r in REGIONS]

@@ -11,7 +11,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # nothing of FaceEdit is imported before the start that is measured
+    from faceedit_app.core.rig import Rig
+    from faceedit_app.editing.session import EditSession
 
 _LONGEST = 240  # seconds
 
@@ -79,11 +84,7 @@ def _child(began: float, frames: int) -> None:
 
 
 def _instead_of_the_demo(loading: Any, frames: int) -> None:
-    from pathlib import Path
-
-    from faceedit_app.core.rig import Rig
     from faceedit_app.editing import opening
-    from faceedit_app.editing.session import EditSession
     from faceedit_app.lab.bench.desk import long_take
 
     def open_session(_path: Path, rig: Rig, _fps: float | None = None) -> EditSession:
