@@ -1,4 +1,4 @@
-"""What keeps the code as it is meant to be: start-up, declared libraries, size of files.
+"""What keeps the code as it is meant to be: start-up, size of files.
 
 Style, types and layers are checked by `make check`, which CI runs before the tests.
 """
@@ -9,16 +9,13 @@ import ast
 import re
 import subprocess
 import sys
-import tomllib
 from collections import defaultdict
-from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 MOST_LINES = 400
-FOR_DEVELOPERS = ("dev", "packaging")
 
 
 def run(*command: str) -> subprocess.CompletedProcess[str]:
@@ -47,33 +44,6 @@ def test_heavy_libraries_stay_out_of_the_way_to_the_window(
     done = run("-W", "error", "-c", code)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "[]"
-
-
-def _imported() -> dict[str, str]:
-    """Top-level modules that the application imports, and a file that does."""
-    found: dict[str, str] = {}
-    for path in (ROOT / "faceedit_app").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            if isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                names = [node.module]
-            found |= {name.partition(".")[0]: str(path) for name in names}
-    return found
-
-
-def test_every_library_that_is_imported_is_declared() -> None:
-    """A library that only a tool for developers brings along is missing for the users."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"]
-    wanted = list(project["dependencies"])
-    wanted += [w for name, some in extras.items() if name not in FOR_DEVELOPERS for w in some]
-    declared = {re.split(r"[\s<>=!~\[;]", w)[0].lower().replace("_", "-") for w in wanted}
-    providers = packages_distributions()
-    for module, path in sorted(_imported().items()):
-        if module in sys.stdlib_module_names or module == "faceedit_app":
-            continue
-        names = {name.lower().replace("_", "-") for name in providers.get(module, [module])}
-        assert names & declared, f"{path} imports {module} of {names}"
 
 
 def test_only_the_document_passes_on_what_the_session_announces() -> None:
