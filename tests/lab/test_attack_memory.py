@@ -1,4 +1,4 @@
-"""What the soak calls growth: not pictures that are in use, as large as the window."""
+"""What the soak calls growth: not pictures that are in use, nor memory that is kept for later."""
 
 from __future__ import annotations
 
@@ -31,6 +31,18 @@ def test_all_that_pictures_were_drawn_in_is_freed(monkeypatch: pytest.MonkeyPatc
     assert taken == [size**2 * 8 * (2 * 4 * 4 + 2 + 4) for size in (96, 32, 64, 96)]
     renderer.close()
     assert memory.framebuffers() == before
+
+
+def test_what_pythons_allocator_keeps_for_later_is_left_out() -> None:
+    before = memory.kept_by_python()
+    if not before:
+        pytest.skip("this Python does not say what its allocator keeps")
+    many = [float(number) for number in range(400_000)]
+    assert memory.kept_by_python() - before < 2 * 2**20, "objects in use are not left out"
+    few = many[::500]  # spread over all that was allocated
+    del many
+    assert memory.kept_by_python() - before > 8 * 2**20
+    assert len(few) == 800
 
 
 def test_pictures_that_a_graphics_card_keeps_are_not_left_out(
