@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+SET_RATE = "Take > Frame rate, or --fps"  # where the user gives it
+_ELSE = f"; if it has another frame rate, set that: {SET_RATE}"
 COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
 RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 _BROADCAST_RATES = tuple(rate * 1000 / 1001 for rate in (12, 15, 24, 30, 48, 60, 120))
@@ -32,3 +36,13 @@ def nominal_rate(measured: float, uncertainty: float) -> float | None:
 def exact_rate(rate: float) -> float:
     """The broadcast rate that a rounded one stands for (23.976, 29.97, 59.94), else the rate."""
     return next((exact for exact in _BROADCAST_RATES if abs(rate - exact) < _ROUNDED), rate)
+
+
+def unsure(note: str) -> str:
+    """A note about a frame rate that the file leaves open, with what to do if it is wrong."""
+    return note + _ELSE
+
+
+def sure_notes(notes: Iterable[str]) -> tuple[str, ...]:
+    """The notes that still hold if the user gives the frame rate."""
+    return tuple(note for note in notes if not note.endswith(SET_RATE))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from faceedit_app.core.arrays import Indices
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import shown
-from faceedit_app.formats.rates import exact_rate, nominal_rate
+from faceedit_app.formats.rates import SET_RATE, exact_rate, nominal_rate
 from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, format_rate
 
 _KINDS = "video|capture|source|camera|export|record(?:ing)?|nominal|avg|r|film|clip|anim(?:ation)?"
@@ -143,6 +143,7 @@ def settled(
         if not re.search(r"\d", says):  # a column's name
             says = f"{says}: {stated.rate:g}"
         note = f'{format_rate(timing.rate)} by its times, although the file says "{says}"'
+        note += f"; if the file is right, set that: {SET_RATE}"
         return Timing(timing.times, timing.rate, (*timing.notes, note))
     if not stated.is_sure:
         return NoTimes(timing.problem, stated.rate, timing.numbers)

@@ -18,6 +18,7 @@ from faceedit_app.formats.changing_rates import stretches
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.gaps import find_gaps, gap_notes, lost_notes
 from faceedit_app.formats.lost_faces import blank_notes
+from faceedit_app.formats.rates import sure_notes
 from faceedit_app.formats.timing import (
     NoTimes,
     RateNeeded,
@@ -269,9 +270,11 @@ def _timing(recording: Recording, fps: float | None) -> Timing:
             length = found.timing_at(found.rate, rows).times[-1] * found.rate
             raise RateNeeded(recording.path, found.problem, found.rate, round(float(length)) + 1)
         return found.timing_at(fps, rows)
-    if fps is not None and fps != found.rate:
-        note = f"the frame rate was set to {format_rate(fps)}; by its times it is"
-        notes = (*found.notes, f"{note} {format_rate(found.rate)}")
+    if fps is not None:
+        notes = sure_notes(found.notes)
+        if fps != found.rate:
+            note = f"the frame rate was set to {format_rate(fps)}; by its times it is"
+            notes = (*notes, f"{note} {format_rate(found.rate)}")
         found = Timing(found.times * (found.rate / fps), fps, notes)
     if found.times[-1] > _LONGEST:
         raise FileError(

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from faceedit_app.core.arrays import Times
-from faceedit_app.formats.rates import nominal_rate
+from faceedit_app.formats.rates import nominal_rate, unsure
 from faceedit_app.formats.timecode_readings import (
     BASES,
     MILLISECONDS,
@@ -169,7 +169,7 @@ def derive_timing(texts: Sequence[str]) -> Timing:
         timing = _time_rows(steps, reading)
     notes = reading.notes + apart
     if abs(timing.rate / reading.base - 1) > 0.01 and reading.base in BASES:
-        notes = (*notes, f"{format_rate(timing.rate)} on a {reading.base} fps timecode")
+        notes = (*notes, _slower(timing.rate, reading.base))
     return Timing(timing.times, timing.rate, notes + timing.notes)
 
 
@@ -263,8 +263,15 @@ def _uniform_rows(steps: Times, step: float, second: float) -> Timing:
     rate, notes = _rate(second / mean, _UNEVEN)
     lengths = np.where(breaks, steps / second, 1 / rate)
     times = np.concatenate([[0.0], np.cumsum(lengths)])
-    note = f"the timecode steps unevenly: rows are uniform at {format_rate(rate)}"
-    return Timing(times, rate, (*notes, note))
+    note = f"the timecode steps unevenly: rows are evenly spaced at {format_rate(rate)}"
+    return Timing(times, rate, (*notes, unsure(note)))
+
+
+def _slower(rate: float, base: int) -> str:
+    """The note about rows that are fewer, or more, than the frames that their timecode counts."""
+    counts = f"the timecode counts {base} frames a second, {base / rate:.3g} from row to row"
+    camera = "slower" if rate < base else "faster"
+    return unsure(f"{format_rate(rate)}: {counts}, as from a camera {camera} than its timecode")
 
 
 def _rate(measured: float, uncertainty: float) -> tuple[float, tuple[str, ...]]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faceedit_app.core.arrays import Times
+from faceedit_app.formats.rates import unsure
 
 DEFAULT_BASE = 60  # what Live Link Face uses
 MILLISECONDS = 1000  # the base of a timecode that gives milliseconds in place of frames
@@ -175,7 +176,8 @@ def _is_rounded_up(stamps: Stamps, most: float, step: float) -> bool:
 
 
 def _assumed(base: int) -> tuple[str, ...]:
-    return (f"the timecode does not say its base: {base} fps is assumed",)
+    note = "the timecode does not show how many frames it counts in a second"
+    return (unsure(f"{note}: {base} fps is assumed"),)
 
 
 OWN_BASE_NOTES = _assumed(DEFAULT_BASE)  # needless for what FaceEdit wrote
@@ -248,7 +250,7 @@ def _wrongly_marked(stamps: Stamps) -> Iterator[Reading]:
     if can_drop(other.base) and (stamps.drop or not _has_dropped_number(stamps, other.base)):
         what = "leaves out no numbers" if stamps.drop else "leaves out numbers at full minutes"
         is_drop = "not drop-frame" if stamps.drop else "drop-frame"
-        note = f"the timecode {what}: it is {is_drop}"
+        note = f"the timecode {what}: it is read as {is_drop}"
         yield replace(other, notes=(*other.notes, note))
 
 

@@ -16,7 +16,7 @@ from faceedit_app.formats.changing_rates import (
     stretches,
     usual_rate,
 )
-from faceedit_app.formats.rates import nominal_rate
+from faceedit_app.formats.rates import nominal_rate, unsure
 from faceedit_app.formats.uneven import evened, is_uneven, mean_rate
 
 DEFAULT_RATE = 60.0
@@ -159,8 +159,8 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
     rate = nominal_rate(1 / period, uncertainty)
     slack = 1.01 * resolution + noise
     if len(steps) < _SHORT and resolution > _COARSE * period and np.ptp(steps) > slack:
-        note = "these few rounded times leave the rate open"
-        notes = (*notes, f"{note}: {format_rate(rate or 1 / period)} is assumed")
+        note = "these few rounded times leave the frame rate open"
+        notes = (*notes, unsure(f"{note}: {format_rate(rate or 1 / period)} is assumed"))
     even = None
     if rate is not None:
         even = _even(seconds, frames, 1 / rate, slack)
@@ -181,7 +181,7 @@ def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
 
 
 def _uneven(times: Times, rate: float, notes: tuple[str, ...]) -> Timing:
-    note = f"times come unevenly: rows are evenly spaced at {format_rate(rate)}"
+    note = unsure(f"times come unevenly: rows are evenly spaced at {format_rate(rate)}")
     return Timing(times, rate, (*notes, note))
 
 
@@ -213,7 +213,7 @@ def single_row() -> Timing:
 
 def unusual_rate(rate: float) -> str:
     """The note about a rate that is not a camera's nominal rate."""
-    return f"{format_rate(rate)} is not a usual frame rate"
+    return unsure(f"{format_rate(rate)} by its times, which is not a usual frame rate")
 
 
 def join_recordings(steps: Times, usual: float, unit: float) -> tuple[Times, tuple[str, ...]]:

@@ -19,6 +19,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, check_text, shown
 from faceedit_app.formats.number_spans import SpanSource
+from faceedit_app.formats.rates import unsure
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.timing import BadRow, NoTimes, Timing, time_rows
 
@@ -167,7 +168,8 @@ def _codes_per_second(path: Path, content: bytes) -> float:
 def _notes(content: bytes, animations: int) -> tuple[str, ...]:
     notes = []
     if not _CODES.search(content):
-        notes.append(f"{_DEFAULT_CODES:g} time codes are a second, as in USD that does not say so")
+        note = "the file does not say how many time codes make a second"
+        notes.append(unsure(f"{note}: {_DEFAULT_CODES:g} are assumed, as is usual in USD"))
     if animations > 1:
         notes.append(f"{animations} animations have ARKit's shapes: the first is read")
     return tuple(notes)

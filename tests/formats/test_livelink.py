@@ -353,7 +353,7 @@ def test_the_summary_tells_what_a_user_asks_about_a_take(tmp_path: Path) -> None
     assert "89 at 30 fps" in text
     assert "edits cannot move browInnerUp" in text
     assert "1 frame after 0:01.467" in text
-    assert "30 fps on a 60 fps timecode" in text
+    assert "30 fps: the timecode counts 60 frames a second" in text
 
 
 def test_the_format_is_recognised_by_content(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ KNOWN: dict[str, tuple[int, float, float, int, str]] = {
     "tc_frame_and_ms_of_second_25fps.csv": (55, 25, 2.200, 0, "milliseconds of the second"),
     "tc_frame_and_ms_of_second_30fps.csv": (65, 30, 2.167, 0, "milliseconds of the second"),
     "tc_frame_and_ms_of_second_60fps.csv": (125, 60, 2.083, 0, "milliseconds of the second"),
-    "tc_rounded_up_to_base.csv": (64, 30, 2.133, 0, "30 fps on a 60 fps timecode"),
+    "tc_rounded_up_to_base.csv": (64, 30, 2.133, 0, "30 fps: the timecode counts 60"),
     "tc_dot_milliseconds_30fps.csv": (64, 30, 2.133, 0, ""),
     "frame_and_timestamp_ms.csv": (64, 30, 2.133, 0, ""),
     "frame_and_timestamp_s.csv": (64, 30, 2.133, 0, ""),

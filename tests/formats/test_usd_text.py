@@ -68,7 +68,7 @@ def test_an_animation_opens_and_an_edit_changes_its_number_alone(
     assert take.clip.gaps == ()
     assert np.allclose(take.clip.arkit_weights(), FACE, atol=1e-7)
     assert take.carried == ("headYaw",)
-    assert any("24 time codes" in note for note in take.notes) == ("timeCodes" not in text)
+    assert any("24 are assumed" in note for note in take.notes) == ("timeCodes" not in text)
     write_take(out, take, take.clip.weights)
     assert out.read_text() == text
     edited = take.clip.weights.copy()
