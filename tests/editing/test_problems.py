@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.clip import Clip, Gap
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help import problems
 from faceedit_app.editing.help.habits import habits_of
 from faceedit_app.editing.help.on_character import close_between
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems, problems_of
@@ -267,6 +269,26 @@ def test_closing_on_the_character_makes_no_problem_of_another_kind() -> None:
     shown = Clip(session.weights, ARKIT_CHANNELS, session.take.clip.times, 60.0)
     assert [problem.kind for problem in find(shown)] == [Kind.LIPS]
     assert find_problems(session) == []
+
+
+def test_curves_are_searched_twice_only_if_closing_has_changed_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = session_by_rig(opening_and_closing([0.0, 0.1, 0.0, 0.12, 0.0]))
+    session.use_character(leaky_rig())
+    searched: list[Clip] = []
+    search = problems._of_curves
+
+    def noted(clip: Clip, *rest: Any) -> list[Problem]:
+        searched.append(clip)
+        return search(clip, *rest)
+
+    monkeypatch.setattr(problems, "_of_curves", noted)
+    find_problems(session)
+    assert len(searched) == 1
+    session.add(close_between(0.0, 6.0))
+    find_problems(session)
+    assert len(searched) == 3
 
 
 def test_beside_lips_that_closing_shuts_there_is_no_problem_that_it_has_made() -> None:

@@ -148,15 +148,22 @@ class AsAsked:
         """Where the user's character is open, with weights (T, 52) and controls (T, C), mm."""
         return gaps_on_character(clip, weights, *self.rigs, self._nearer(controls))
 
-    def without_closing(self, weights: Doubles, controls: Doubles) -> None:
+    def without_closing(self, weights: Doubles, controls: Doubles) -> bool:
         """Take from weights (T, 52) and controls (T, C), in place, what only closing has changed.
 
         Beside closures on the user's character, ours is drawn along, and presses its lips: that is
         no problem that anybody has made.
+
+        Returns:
+            Whether it has changed anything.
         """
         still = (self.asked == self.controls).all(axis=1)
+        has_moved = (weights[still] != self.weights[still]).any()
+        has_moved |= (controls[still] != self.controls[still]).any()
         weights[still], controls[still] = self.weights[still], self.controls[still]
-        controls[:, _CLOSING] += self._nearer(controls)
+        nearer = self._nearer(controls)
+        controls[:, _CLOSING] += nearer
+        return bool(has_moved or nearer.any())
 
     def _nearer(self, controls: Floats | Doubles) -> Doubles:
         """(T, 3) mm by which lips and lids are nearer than was asked for."""
@@ -195,9 +202,9 @@ def problems_of(
     gaps: list[LostClosure] = []
     if as_asked is not None:
         gaps += as_asked.gaps(clip, weights, controls)
-        as_asked.without_closing(values, measured)
-        without = _of_curves(clip, values, measured, spoken, usual)
-        shown = [problem for problem in shown if any(map(problem.is_as, without))]
+        if as_asked.without_closing(values, measured):
+            without = _of_curves(clip, values, measured, spoken, usual)
+            shown = [problem for problem in shown if any(map(problem.is_as, without))]
     found = [
         *_spoken(spoken),
         *shown,
