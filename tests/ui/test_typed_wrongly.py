@@ -79,6 +79,12 @@ def test_what_is_wrong_stays_when_the_field_is_left(bench: Bench) -> None:
     assert reason(start) == "", "as soon as it is right"
     QTest.keyClick(start, Qt.Key.Key_Return)
     assert window.timeline.selection == (0.75, 1.0)
+    window.timeline.select(None)
+    start.setFocus()
+    start.lineEdit().end(False)
+    QTest.keyClicks(start, "0:01.25")  # behind the dash that stands for no time
+    QTest.keyClick(start, Qt.Key.Key_Return)
+    assert window.timeline.selection == (1.25, 1.25)
 
 
 @pytest.mark.parametrize("across", [20, 100], ids=["strength", "range"])

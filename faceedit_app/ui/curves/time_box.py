@@ -6,7 +6,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.state.time_display import Unit, label
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.typed_time import typed_frame
+from faceedit_app.ui.state.typed_time import typed_frame, typed_seconds
 
 
 class TimeBox(NumberBox):
@@ -32,27 +32,35 @@ class TimeBox(NumberBox):
 
     def valueFromText(self, text: str) -> float:
         """The frame that a timecode means, or the number."""
-        clip = self._clip
-        if clip is None:
-            return super().valueFromText(text)
         if text == self.specialValueText():
             return self.minimum()
+        if self._timeline.clip is None:
+            return super().valueFromText(text)
         try:
-            return typed_frame(clip, text, Unit.TIMECODE, self._timeline.frame) + 1.0
+            return self._meant(self.typed(text))
         except ValueError:
             return self.value()
 
     def why_not(self, text: str) -> str:
         """Why a text is no time of the take; "" if it is one."""
-        line = self._timeline
-        if line.clip is None:
+        if self._timeline.clip is None:
             return super().why_not(text)
-        if self._clip is None:
-            number = self.number_in(text)
-            if number is not None and number >= 0:
-                return ""  # what lies beyond the take means its end
         try:
-            typed_frame(line.clip, text, line.display.unit, line.frame)
+            self._meant(self.typed(text))
         except ValueError as error:
             return str(error)
-        return "" if self._clip is not None else "Type a number, such as 4.5"
+        return ""
+
+    def _meant(self, text: str) -> float:
+        """The number that a text means; one that lies beyond the take means its end.
+
+        Raises:
+            ValueError: what is wrong with it, in one line for the user.
+        """
+        line, number = self._timeline, self.number_in(text)
+        assert line.clip is not None
+        if self._clip is None and number is not None and 0 <= number <= self.maximum():
+            return number
+        if line.display.counts_frames:
+            return typed_frame(line.clip, text, line.display.unit, line.frame) + 1.0
+        return min(typed_seconds(text), self.maximum())

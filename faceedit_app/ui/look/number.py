@@ -54,6 +54,7 @@ class NumberBox(QDoubleSpinBox):
 
     def number_in(self, text: str) -> float | None:
         """The number that a text is, with its unit or without; None if it is none."""
+        text = self.typed(text)
         for part in (self.prefix(), self.suffix()):
             text = text.strip().removeprefix(part.strip()).removesuffix(part.strip())
         if _NUMBER.fullmatch(text := text.strip()) is None:
@@ -62,6 +63,10 @@ class NumberBox(QDoubleSpinBox):
         if not self.decimals() and number != round(number):
             return None
         return round(number, self.decimals())
+
+    def typed(self, text: str) -> str:
+        """A text without that which stands for no number, behind which it was typed."""
+        return text.strip().removeprefix(self.specialValueText())
 
     def _plain(self, number: float) -> str:
         text = f"{number:.{self.decimals()}f}"

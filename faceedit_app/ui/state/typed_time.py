@@ -33,7 +33,7 @@ def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
         return _by_number(clip, text)
     if unit is Unit.TIMECODE and clip.timecodes:
         return _by_timecode(clip, clip.timecodes, text, clip.timecodes[now])
-    return _at(clip, _seconds(text), f"The take ends at {format_time(clip.duration)}")
+    return _at(clip, typed_seconds(text), f"The take ends at {format_time(clip.duration)}")
 
 
 def typed_range(clip: Clip, text: str, unit: Unit, now: int) -> tuple[float, float]:
@@ -54,7 +54,7 @@ def typed_range(clip: Clip, text: str, unit: Unit, now: int) -> tuple[float, flo
     times: list[float] = []
     for part in parts:
         if unit is Unit.SECONDS or (unit is Unit.TIMECODE and not clip.timecodes):
-            times.append(min(_seconds(part), clip.duration))
+            times.append(min(typed_seconds(part), clip.duration))
             continue
         if unit is Unit.FRAMES and part.isdecimal():
             part = str(min(max(int(part), 1), len(clip)))
@@ -73,7 +73,12 @@ def _by_number(clip: Clip, text: str) -> int:
     return number - 1
 
 
-def _seconds(text: str) -> float:
+def typed_seconds(text: str) -> float:
+    """The seconds that a text such as `4.5` or `1:04.5` means.
+
+    Raises:
+        ValueError: it means none, in one line for the user.
+    """
     match = _SECONDS.fullmatch(text)
     if match is None:
         raise ValueError("Type seconds, such as 4.5, or minutes and seconds, such as 1:04.5")
