@@ -19,7 +19,7 @@ from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.editing.help import retime
-from faceedit_app.editing.help.presets import save_preset
+from faceedit_app.editing.help.presets import left_out, save_preset
 
 # --- by hand ----------------------------------------------------------------------------------
 
@@ -167,6 +167,8 @@ def test_by_its_handles_a_range_changes_around_the_pins() -> None:
 
 def test_a_preset_takes_whole_retimes_only(tmp_path: Path) -> None:
     kept = save_preset("Slower", [STRETCH, MADE], 1.0, 7.0, tmp_path)
+    assert left_out([STRETCH, MADE], 1.0, 7.0) == []
+    assert left_out([STRETCH, MADE], 3.0, 3.5) == [STRETCH]
     assert [edit.op for edit in kept.edits] == [Op.RETIME, Op.SET]
     cut_off = save_preset("Lips", [STRETCH, MADE], 3.0, 3.5, tmp_path)
     assert [edit.op for edit in cut_off.edits] == [Op.SET]

@@ -8,9 +8,13 @@ from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 from support.takes import make_livelink_csv
 from support.windows import Bench, add_edit, bench, drop, drop_only, editor_of, open_path, trigger
 
+from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files.edits_file import write_edits
 from faceedit_app.ui.commands.dialogs import Unsaved
 
 __all__ = ["bench"]
+
+EDIT = Edit(("mouth_opening",), Op.OFFSET, 0.2, 0.4, 0.1, 4.0)
 
 
 def test_no_question_opens_before_the_drop_is_over_wherever_it_lands(bench: Bench) -> None:
@@ -35,6 +39,23 @@ def test_no_question_opens_before_the_drop_is_over_wherever_it_lands(bench: Benc
         QApplication.sendPostedEvents(window, QEvent.Type.MetaCall.value)
         assert not bench.answers, target
     assert open_path(window) == bench.take
+
+
+def test_of_several_takes_the_window_says_which_is_open(bench: Bench) -> None:
+    window = bench.editing()
+    others = [make_livelink_csv(bench.folder / f"other {k}.csv", seconds=1.0) for k in (1, 2)]
+    drop(window, *others)
+    bench.qtbot.waitUntil(lambda: open_path(window) == others[0])
+    bench.qtbot.waitUntil(lambda: "not 1 file dropped with it" in window.banner.text.text())
+    edits = bench.folder / "edits.json"
+    write_edits(edits, [EDIT, EDIT.shifted(90.0)])
+    drop(window, edits)
+    text = "1 of 2 edits of edits.json lies outside the take, where nothing changes"
+    assert text in window.banner.text.text()
+    bench.answers["unsaved"] = Unsaved.DISCARD
+    drop(window, bench.take)
+    bench.qtbot.waitUntil(lambda: open_path(window) == bench.take)
+    assert "dropped with it" not in window.banner.text.text()
 
 
 def test_a_file_that_cannot_be_opened_is_refused_before_anything_is_asked(bench: Bench) -> None:

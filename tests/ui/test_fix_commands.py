@@ -128,6 +128,7 @@ def test_a_preset_is_saved_applied_and_deleted(
     window.timeline.select((2.0, 3.0))
     trigger_enabled(window, "fix_smile")
     trigger_enabled(window, "save_preset")
+    assert window.status.currentMessage() == "Saved the preset “My smile”: 1 edit"
     trigger_enabled(window, "undo")
     window.timeline.select((5.0, 6.0))
     menu.aboutToShow.emit()

@@ -173,6 +173,21 @@ def find_preset(name: str | Path) -> Preset:
     raise FaceEditError(f"{name}: there is no such preset; use one of {known}, or a file")
 
 
+def left_out(edits: Sequence[Edit], start: float, end: float) -> list[Edit]:
+    """The retimes that a preset of a selection leaves out: a part of a retime is none.
+
+    Args:
+        edits: all edits.
+        start, end: the selection, seconds.
+    """
+    return [
+        edit
+        for edit in edits
+        if edit.op is Op.RETIME and edit.start <= end and edit.end >= start
+        if edit.start < start or edit.end > end
+    ]
+
+
 def save_preset(
     name: str,
     edits: Sequence[Edit],
@@ -197,12 +212,12 @@ def save_preset(
     name = clean_text(name.strip())
     if not name:
         raise FaceEditError("The preset has no name; give it one")
+    cut_off = left_out(edits, start, end)
     kept = [
         replace(edit, start=max(edit.start, start), end=min(edit.end, end)).shifted(-start)
         for edit in edits
         if edit.effect is not None and edit.start <= end and edit.end >= start
-        # A part of a retime is none.
-        if edit.op is not Op.RETIME or (edit.start >= start and edit.end <= end)
+        if edit not in cut_off
     ]
     if not kept:
         raise FaceEditError("There is no edit in the selection; make one, then save the preset")

@@ -16,6 +16,7 @@ from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
 from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.formats.timing import counted
 from faceedit_app.media import is_film
 from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands import dialogs, places
@@ -264,7 +265,18 @@ class FileCommands:
         def load(path: Path) -> None:
             self._document.load_edits(path)
 
-        self._write(load, path, "edits", "Loaded")
+        session = self._document.session
+        before = len(session.edits) if session is not None else 0
+        if not self._write(load, path, "edits", "Loaded") or session is None:
+            return
+        loaded, ends = session.edits[before:], session.take.clip.duration
+        outside = sum(edit.span[0] > ends or edit.span[1] < 0 for edit in loaded)
+        if outside:
+            lie = "lies" if outside == 1 else "lie"
+            self._workspace.warning.emit(
+                f"{outside} of {counted(len(loaded), 'edit')} of {path.name} {lie} outside the "
+                "take, where nothing changes"
+            )
 
     def _write(
         self, work: Callable[[Path], Path | None], path: Path, kind: str, done: str, left: str = ""

@@ -14,6 +14,7 @@ from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
+    left_out,
     load_presets,
     save_preset,
     shipped_presets,
@@ -151,11 +152,14 @@ class FixCommands:
         if not name:
             return
         try:
-            save_preset(name, session.edits, start, end)
+            saved = save_preset(name, session.edits, start, end)
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
             return
-        self._workspace.message.emit(f"Saved the preset “{name}”")
+        text = f"Saved the preset “{name}”: {counted(len(saved.edits), 'edit')}"
+        if left_out(session.edits, start, end):
+            text += ", without the retimes that go on beyond the selection"
+        self._workspace.message.emit(text)
 
     def _delete(self, preset: Preset) -> None:
         try:
