@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from PySide6.QtWidgets import QWidget
 from support.character_files import write_glb
 from support.films import make_film
 from support.media import FakeOutput, settle
@@ -48,6 +49,8 @@ def test_each_command_says_why_it_is_not_possible(
 
     window = bench.editing()
     editor = editor_of(window)
+    for widget in window.findChildren(QWidget):
+        assert NO_TAKE not in widget.toolTip(), widget
     states: list[tuple[Callable[[], object], set[str]]] = [
         (lambda: None, {"undo", "redo", "delete_edit", "edit_up", "remove_film", "remove_sound"}),
         (lambda: window.timeline.select((1.0, 2.0)), {"undo", "delete_edit"}),

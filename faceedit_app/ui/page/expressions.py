@@ -27,7 +27,7 @@ if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.core.rig import Rig
     from faceedit_app.networks.engine import Engine
 
-PICTURE = (70, 48)  # pixels: on a small screen two rows are seen, with their names
+PICTURE = (70, 42)  # pixels: on a small screen two rows are seen, with their names
 _WIDTH = PICTURE[0] + 22
 _DETAILS = {Aim.MOUTH: {LOWER.id, JAW.id}, Aim.EYES: {EYELIDS.id, BROWS.id}}
 

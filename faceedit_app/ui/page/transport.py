@@ -13,7 +13,7 @@ from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.look.widgets import Choice, bar_row, caption, icon_button
 from faceedit_app.ui.page.time_entry import TimeEntry
-from faceedit_app.ui.state.actions import Actions
+from faceedit_app.ui.state.actions import TIP, Actions
 from faceedit_app.ui.state.playback import SPEEDS, Playback
 from faceedit_app.ui.state.time_display import Unit, times
 from faceedit_app.ui.state.timeline import Timeline
@@ -131,7 +131,7 @@ class TimeLabel(QLabel):
         self._action, self._type_time = action, type_time
         self.setCursor(Qt.CursorShape.PointingHandCursor)
         self.setToolTip(
-            f"{action.statusTip()}.\nClick to use this unit on the ruler."
+            f"{action.property(TIP)}.\nClick to use this unit on the ruler."
             " Click again, or press G, to type a time."
         )
         self.show_chosen(False)

@@ -20,6 +20,7 @@ from faceedit_app.ui.state.document import Document
 
 Doer = TypeVar("Doer")
 NO_TAKE = "Open a take first: File > Open…"
+TIP = "tip"  # the property of a command that says what it does, also while it is not possible
 _LONGEST = 40  # characters of a detail
 
 
@@ -193,6 +194,7 @@ class Actions:
             keys = f"  ({shown_keys(command.keys[0])})" if command.keys else ""
             action.setToolTip(command.tip + keys)
             action.setStatusTip(command.tip)
+            action.setProperty(TIP, command.tip)
         action.triggered.connect(lambda _checked=False: self._run(command, doer))
         return action
 
