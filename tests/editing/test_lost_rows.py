@@ -134,7 +134,7 @@ def test_an_exported_fill_opens_as_it_was_shown(path: Path) -> None:
 
 def test_the_message_says_what_the_export_gets(path: Path) -> None:
     take = open_take(path)
-    assert "a face in 30 rows" in filled_message(take, 1.8, 2.7, heard=False)
+    assert "30 rows without a face get one" in filled_message(take, 1.8, 2.7, heard=False)
     assert "no row for 3 lost frames" in filled_message(take, 4.5, 5.5, heard=False)
 
 

@@ -80,7 +80,7 @@ def test_rows_without_a_face_are_filled_in_variations(bench: Bench, tmp_path: Pa
     window.timeline.go_to_time(gap.time)
     trigger(window, "fix_problem")
     said = bar.text.toolTip()
-    assert said.startswith("A face in 16 rows without one, as shown in the gap.")
+    assert said.startswith("16 rows without a face get one, as shown in the gap.")
     assert bar.count.text() == "1 of 4"
     trigger(window, "next_variation")
     trigger(window, "accept_fix")

@@ -103,7 +103,10 @@ def _rows_filled(take: Take, start: float, end: float) -> int:
 
 
 def _faces_given(rows: int) -> str:
-    return f"a face in {counted(rows, 'row')} without one, as shown in the gap" if rows else ""
+    if not rows:
+        return ""
+    verb = "gets" if rows == 1 else "get"
+    return f"{counted(rows, 'row')} without a face {verb} one, as shown in the gap"
 
 
 def _lost_seconds(take: Take) -> Times:

@@ -197,8 +197,9 @@ class FixCommands:
                 page.proposal.discard()
             page.problems.go_to(index)
             problem = page.problems.problems[index]
-            why = problem.why_unfixed
-            self._workspace.message.emit(f"{problem.message}; {why}" if why else problem.message)
+            made = page.problem_list.model.made_by(problem)
+            more = problem.why_unfixed or (made and f"its fix {made}")
+            self._workspace.message.emit(f"{problem.message}; {more}" if more else problem.message)
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""
@@ -231,8 +232,8 @@ class FixCommands:
         if edits:
             count = counted(len(chosen), "problem")
             text = f"Fixes for {count} are shown; {page.problem_list.advice}."
-            name, short = f"Fix {count}", "Untick those that you do not want"
-            page.proposal.offer(text, edits, name, short=short)
+            short = page.problem_list.short_advice
+            page.proposal.offer(text, edits, f"Fix {count}", short=short)
 
     @property
     def can_fix_all(self) -> bool:

@@ -110,10 +110,10 @@ QComboBox QAbstractItemView {{
 
 QCheckBox {{ border: 1px solid transparent; border-radius: 3px; padding: 1px; }}
 QCheckBox:focus {{ border-color: {ACCENT}; }}
-QCheckBox::indicator {{
+QCheckBox::indicator, QTreeView::indicator {{
     width: 14px; height: 14px; border: 1px solid {FAINT}; border-radius: 3px;
 }}
-QCheckBox::indicator:checked {{
+QCheckBox::indicator:checked, QTreeView::indicator:checked {{
     background: {ACCENT}; border-color: {ACCENT}; image: url("{_TICK}");
 }}
 QCheckBox::indicator:disabled {{ border-color: {BORDER}; background: transparent; }}

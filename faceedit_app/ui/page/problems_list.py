@@ -72,7 +72,8 @@ class _Indent(QStyledItemDelegate):
         super().initStyleOption(option, index)
         has_box = QStyleOptionViewItem.ViewItemFeature.HasCheckIndicator
         if not option.features & has_box:
-            width = option.widget.style().pixelMetric(QStyle.PixelMetric.PM_IndicatorWidth)
+            metric = QStyle.PixelMetric.PM_IndicatorWidth
+            width = option.widget.style().pixelMetric(metric, option, option.widget)
             option.features |= QStyleOptionViewItem.ViewItemFeature.HasDecoration
             option.decorationSize = QSize(width, 1)
 
@@ -165,8 +166,16 @@ class ProblemsList(QWidget):
         left_out = len(self.model.left_out)
         if not left_out:
             return "untick those that you do not want"
-        count = "one more that would make" if left_out == 1 else f"{left_out} more that would make"
-        return f"{count} another problem {'is' if left_out == 1 else 'are'} not ticked"
+        verb = "is" if left_out == 1 else "are"
+        return f"{left_out} more {verb} not ticked, as the fix would make another problem"
+
+    @property
+    def short_advice(self) -> str:
+        """The same in few words."""
+        left_out = len(self.model.left_out)
+        if left_out:
+            return f"Fixes shown; {left_out} not ticked: see the list"
+        return "Untick those that you do not want"
 
     def _shown_time(self, seconds: float) -> str:
         clip = self._timeline.clip

@@ -192,7 +192,7 @@ class ProblemsModel(QAbstractTableModel):
     def _name(self, problem: Problem) -> str:
         name = f"{ONE[problem.kind]}: {problem.about}" if problem.about else ONE[problem.kind]
         if made := self.made_by(problem):
-            return f"{name} (its fix {made})"
+            return f"{name} – fix {made}"
         return name if problem.fix else f"{name} (no fix)"
 
     def _remarks(self, problem: Problem) -> list[str]:
