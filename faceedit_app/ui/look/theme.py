@@ -165,6 +165,7 @@ QTreeView::item:selected {{ background: {ACCENT_DEEP}; color: {TEXT}; }}
 QHeaderView::section {{
     background: {PANEL}; color: {MUTED}; border: none; padding: 3px 8px;
 }}
+QTreeView QHeaderView::section {{ padding-right: 18px; }}
 
 QSplitter::handle {{ background: {BACKGROUND}; }}
 QSplitter::handle:hover {{ background: {ACCENT_DEEP}; }}
