@@ -221,6 +221,9 @@ def test_ruler_and_range_bar(
     assert line.view == pytest.approx((0.9, 2.1))
     choose(right_click(panel, strip, QPoint(30, 8)), "deselect")
     assert line.selection is None
+    choose(right_click(panel, strip, place(strip, 1.2, 8)), "mark_start")
+    choose(right_click(panel, strip, place(strip, 1.9, 8)), "mark_end")
+    assert line.selection == pytest.approx((1.2, 1.9), abs=0.02), "here is where it was clicked"
     choose(right_click(panel, strip, QPoint(30, 8)), "unit_frames")
     assert line.display.unit is Unit.FRAMES
 

@@ -107,7 +107,7 @@ class RangeBar(pg.GraphicsView, Mouse):
         self._hint.setFont(style.scaled_font(self, 0.82))
         self._hint.setParentItem(self.view)
         self.view.sigResized.connect(lambda: self._hint.setPos(self.view.rect().center()))
-        self.view.menu_asked.connect(lambda _x, _y, place: self.menu_asked.emit(place))
+        self.view.menu_asked.connect(self._ask_menu)
         self.setFixedHeight(HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAcceptDrops(False)
@@ -125,6 +125,11 @@ class RangeBar(pg.GraphicsView, Mouse):
     def current_scale(self) -> Scale:
         """How its pixels map to seconds."""
         return self.view.scale_now
+
+    def _ask_menu(self, x: float, _y: float, place: QPoint) -> None:
+        """Make the menu act where it was asked for: “here” is the playhead."""
+        self._timeline.go_to_time(self.current_scale.time_at(x))
+        self.menu_asked.emit(place)
 
     @property
     def is_selecting(self) -> bool:

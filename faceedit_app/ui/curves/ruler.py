@@ -56,7 +56,7 @@ class Ruler(pg.GraphicsView, Mouse):
             self.view.addItem(front, ignoreBounds=True)
         self.view.sigResized.connect(self._arrange)
         self.view.sigXRangeChanged.connect(self._show_frames)
-        self.view.menu_asked.connect(lambda _x, _y, place: self.menu_asked.emit(place))
+        self.view.menu_asked.connect(self._ask_menu)
         timeline.display.changed.connect(self._renew)
         self.setFixedHeight(style.RULER_HEIGHT)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -72,6 +72,11 @@ class Ruler(pg.GraphicsView, Mouse):
     def current_scale(self) -> Scale:
         """How its pixels map to seconds."""
         return self.view.scale_now
+
+    def _ask_menu(self, x: float, _y: float, place: QPoint) -> None:
+        """Make the menu act where it was asked for: “here” is the playhead."""
+        self._timeline.go_to_time(self.current_scale.time_at(x))
+        self.menu_asked.emit(place)
 
     @property
     def is_selecting(self) -> bool:
