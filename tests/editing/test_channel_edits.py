@@ -14,7 +14,7 @@ from support.takes import make_livelink_csv
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.levels import softly_limited
 from faceedit_app.editing.edits.channels import is_rotation
-from faceedit_app.editing.edits.describe import describe
+from faceedit_app.editing.edits.describe import describe, describe_what
 from faceedit_app.editing.edits.edit import Edit, Op, from_json, to_json
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.session import EditSession
@@ -227,6 +227,7 @@ def test_list_of_edits_names_channels_in_plain_words() -> None:
     assert describe(EDITS[0]) == "mouthSmileLeft +0.20"
     assert describe(EDITS[4]) == "jawOpen at most 0.20"
     assert describe(EDITS[5]) == "Neutral rest (1 channel)"
+    assert describe_what(EDITS[5]) == "1 channel", "it is in the name, so a list need not repeat it"
     assert describe(of_channels(Op.OFFSET, "headYaw", value=-3.0)) == "headYaw −3.0°"
 
 

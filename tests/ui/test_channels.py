@@ -195,6 +195,9 @@ def test_this_frame_is_neutral_keeps_the_height_of_blinks(bench: Bench, tmp_path
     peak = float(session.weights[:, BLINK].max())
     window.timeline.go_to_frame(int(session.weights[:, BLINK].argmin()))
     trigger(window, "neutral_frame")
+    panel = editor_of(window).edits
+    listed = panel.model.columns(session_of(window).edits[0])[0]
+    assert f": {listed.replace('–', 'to')};" in window.status.currentMessage()
     (edit,) = session.edits
     assert edit.op is Op.NEUTRAL
     assert session.weights[:, BLINK].min() < 0.01

@@ -125,7 +125,9 @@ def describe_what(*edits: Edit) -> str:
     parts = []
     if controls:
         parts.append(describe_controls([name for name in CONTROL_IDS if name in controls]))
-    if channels:
+    if channels and all(edit.op in (Op.NEUTRAL, Op.LEVELS) for edit in edits):
+        parts.append(_counted(len(channels)))  # the first of many says nothing
+    elif channels:
         parts.append(name_channels([name for name in CHANNELS if name in channels]))
     return " and ".join(parts)
 

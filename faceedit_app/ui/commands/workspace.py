@@ -130,7 +130,7 @@ class Workspace(QObject):
             self.page.edits.select_new(len(edits))
         seen = self.page is None or self.page.lists.currentWidget() is self.page.edits
         where = "above the list of edits" if seen else "under Edits"
-        last = float(self.timeline.clip.times[-1]) if self.timeline.clip is not None else 0.0
+        last = self.timeline.duration  # as the list says it
         start, end = max(min(e.start for e in edits), 0.0), min(max(e.end for e in edits), last)
         self.message.emit(f"{name}: {self.shown_range(start, end)}; set its strength {where}")
 
