@@ -187,6 +187,15 @@ def test_loop_and_speed(window: MainWindow) -> None:
     assert not window.actions_["loop"].isChecked()
     window.editor.transport.speed.setCurrentIndex(0)
     assert window.playback.speed == 0.25
+    for command, said in (
+        ("fast_forward", "Playing forwards at 0.25×"),
+        ("fast_forward", "Playing forwards at 0.5×"),
+        ("rewind", "Playing backwards at 0.25×"),
+    ):
+        window.timeline.go_to_time(1.0)
+        window.actions_[command].trigger()
+        assert window.status.currentMessage() == said
+    window.playback.pause()
 
 
 def test_b_is_held_for_a_glance_at_the_tracked_face(window: MainWindow) -> None:

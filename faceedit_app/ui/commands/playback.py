@@ -26,6 +26,9 @@ class PlaybackCommands:
     def shuttle(self, direction: int) -> None:
         """Play forwards (1) or backwards (-1); again is faster."""
         self._playback.shuttle(direction)
+        if self._playback.playing:  # faster than the chosen speed, which the bar shows
+            way = "backwards" if direction < 0 else "forwards"
+            self._workspace.message.emit(f"Playing {way} at {abs(self._playback.pace):g}×")
 
     def stop(self) -> None:
         """Pause."""
