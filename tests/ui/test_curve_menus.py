@@ -14,6 +14,8 @@ from support.windows import Bench
 
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, LIP_OPENING, MAIN_CONTROLS
 from faceedit_app.ui.curves import CurvesPanel
+from faceedit_app.ui.curves.range_bar import RangeBar
+from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.page import curve_menus
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
@@ -211,7 +213,7 @@ def test_small_movements_are_enlarged_by_the_menu(window: MainWindow, panel: Cur
 
 @pytest.mark.parametrize("bar", [lambda panel: panel.ruler, lambda panel: panel.range_bar])
 def test_ruler_and_range_bar(
-    window: MainWindow, panel: CurvesPanel, bar: Callable[[CurvesPanel], QWidget]
+    window: MainWindow, panel: CurvesPanel, bar: Callable[[CurvesPanel], Ruler | RangeBar]
 ) -> None:
     strip, line = bar(panel), window.timeline
     line.select((1.0, 2.0))
