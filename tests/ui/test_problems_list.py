@@ -10,7 +10,14 @@ import pytest
 from PySide6.QtCore import QEvent, QModelIndex, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QPaintEvent, QRegion
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QMenu, QToolButton
+from PySide6.QtWidgets import (
+    QLabel,
+    QMenu,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QToolButton,
+)
 from support.waiting import run_events
 from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
 
@@ -151,6 +158,18 @@ def test_a_problem_that_edits_cannot_fix_says_so(window: MainWindow) -> None:
     editor.problem_list.sync()
     row = editor.problem_list.model.index(0, KIND)
     assert row.data() == "Lost frames (no fix)"
+    rows, lefts = editor.problem_list.rows, []
+    delegate = rows.itemDelegateForColumn(KIND)
+    assert isinstance(delegate, QStyledItemDelegate)
+    for number in range(2):
+        option = QStyleOptionViewItem()
+        option.initFrom(rows)
+        option.widget, option.rect = rows, QRect(0, 0, 300, 24)
+        index = editor.problem_list.model.index(number, KIND)
+        delegate.initStyleOption(option, index)
+        text = QStyle.SubElement.SE_ItemViewItemText
+        lefts.append(rows.style().subElementRect(text, option, rows).left())
+    assert lefts[0] == lefts[1] > 14, "names are in line, with a box or without"
     assert row.data(Qt.ItemDataRole.ToolTipRole).endswith("No fix: edits cannot help here")
 
 

@@ -72,8 +72,10 @@ class _Indent(QStyledItemDelegate):
         super().initStyleOption(option, index)
         has_box = QStyleOptionViewItem.ViewItemFeature.HasCheckIndicator
         if not option.features & has_box:
-            metric = QStyle.PixelMetric.PM_IndicatorWidth
-            width = option.widget.style().pixelMetric(metric, option, option.widget)
+            other = QStyleOptionViewItem(option)
+            other.features |= has_box
+            box = QStyle.SubElement.SE_ItemViewItemCheckIndicator
+            width = option.widget.style().subElementRect(box, other, option.widget).width()
             option.features |= QStyleOptionViewItem.ViewItemFeature.HasDecoration
             option.decorationSize = QSize(width, 1)
 
