@@ -14,10 +14,12 @@ import numpy as np
 from faceedit_app.characters.closure import ARE_LIPS, CLOSING, SHUT, Openings
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
+from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import Edit, Op
 
 NAME = "Close on the character"
+_CLOSING = [CONTROL_INDEX[control] for control in CLOSING]
 _TOGETHER = 0.3  # seconds; gaps closer than this are one
 _SHORTEST = 0.05  # seconds; shorter gaps of the lips are not noticed
 _FALLOFF = 0.1  # seconds
@@ -87,3 +89,46 @@ def gaps_on_character(
             controls = tuple(CLOSING[i] for i in np.flatnonzero(here.any(axis=0)))
             worst = first + int(here.max(axis=1).argmax())
             yield LostClosure(start, end, float(clip.times[worst]), controls, float(here.max()))
+
+
+@dataclass(frozen=True)
+class AsAsked:
+    """What tells closing on the user's character from what was asked for.
+
+    Attributes:
+        rigs: FaceEdit's own character, and the one shown.
+        asked: (T, C) mm, what the edits ask for.
+        weights: (T, 52) as tracked.
+        controls: (T, C) mm, as tracked.
+    """
+
+    rigs: tuple[Rig, Rig]
+    asked: Floats
+    weights: Floats
+    controls: Floats
+
+    def gaps(self, clip: Clip, weights: Floats, controls: Floats) -> Iterator[LostClosure]:
+        """Where the user's character is open, with weights (T, 52) and controls (T, C), mm."""
+        return gaps_on_character(clip, weights, *self.rigs, self._nearer(controls))
+
+    def without_closing(self, weights: Doubles, controls: Doubles) -> bool:
+        """Take from weights (T, 52) and controls (T, C), in place, what only closing has changed.
+
+        Beside closures on the user's character, ours is drawn along, and presses its lips: that is
+        no problem that anybody has made.
+
+        Returns:
+            Whether it has changed anything.
+        """
+        still = (self.asked == self.controls).all(axis=1)
+        has_moved = (weights[still] != self.weights[still]).any()
+        has_moved |= (controls[still] != self.controls[still]).any()
+        weights[still], controls[still] = self.weights[still], self.controls[still]
+        nearer = self._nearer(controls)
+        controls[:, _CLOSING] += nearer
+        return bool(has_moved or nearer.any())
+
+    def _nearer(self, controls: Floats | Doubles) -> Doubles:
+        """(T, 3) mm by which lips and lids are nearer than was asked for."""
+        lack = (self.asked[:, _CLOSING] - controls[:, _CLOSING]).astype(np.float64)
+        return np.asarray(np.maximum(lack, 0.0), np.float64)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
-from faceedit_app.characters.closure import CLOSING
 from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, MAIN_CONTROLS, control_named
-from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit, Op
 from faceedit_app.editing.help.confidence import confidence_of
@@ -27,7 +25,7 @@ from faceedit_app.editing.help.lost_frames import (
     beside_gaps,
     lost_frames,
 )
-from faceedit_app.editing.help.on_character import LostClosure, gaps_on_character
+from faceedit_app.editing.help.on_character import AsAsked, LostClosure
 from faceedit_app.editing.help.shaking import find_shaking
 from faceedit_app.editing.help.spoken import NEAR, Closure, close_at, closures_of
 from faceedit_app.editing.session import EditSession
@@ -36,7 +34,6 @@ from faceedit_app.formats.timing import counted
 SHAKE_WINDOW = 0.5  # seconds
 SHORTEST_SHAKE = 0.15  # seconds
 _MAIN = [CONTROL_INDEX[control] for control in MAIN_CONTROLS]
-_CLOSING = [CONTROL_INDEX[control] for control in CLOSING]
 _LIPS = control_named(LIP_OPENING).region
 _MOVE_WITH_LIPS: Bools = np.array([control_named(c).region == _LIPS for c in MAIN_CONTROLS])
 # What counts as entirely wrong, for `Problem.severity`.
@@ -126,49 +123,6 @@ def search_of(session: EditSession) -> Callable[[], list[Problem]]:
         return problems_of(take.clip, weights, controls, as_asked, spoken, lost, sure, edits, usual)
 
     return search
-
-
-@dataclass(frozen=True)
-class AsAsked:
-    """What tells closing on the user's character from what was asked for.
-
-    Attributes:
-        rigs: FaceEdit's own character, and the one shown.
-        asked: (T, C) mm, what the edits ask for.
-        weights: (T, 52) as tracked.
-        controls: (T, C) mm, as tracked.
-    """
-
-    rigs: tuple[Rig, Rig]
-    asked: Floats
-    weights: Floats
-    controls: Floats
-
-    def gaps(self, clip: Clip, weights: Floats, controls: Floats) -> Iterator[LostClosure]:
-        """Where the user's character is open, with weights (T, 52) and controls (T, C), mm."""
-        return gaps_on_character(clip, weights, *self.rigs, self._nearer(controls))
-
-    def without_closing(self, weights: Doubles, controls: Doubles) -> bool:
-        """Take from weights (T, 52) and controls (T, C), in place, what only closing has changed.
-
-        Beside closures on the user's character, ours is drawn along, and presses its lips: that is
-        no problem that anybody has made.
-
-        Returns:
-            Whether it has changed anything.
-        """
-        still = (self.asked == self.controls).all(axis=1)
-        has_moved = (weights[still] != self.weights[still]).any()
-        has_moved |= (controls[still] != self.controls[still]).any()
-        weights[still], controls[still] = self.weights[still], self.controls[still]
-        nearer = self._nearer(controls)
-        controls[:, _CLOSING] += nearer
-        return bool(has_moved or nearer.any())
-
-    def _nearer(self, controls: Floats | Doubles) -> Doubles:
-        """(T, 3) mm by which lips and lids are nearer than was asked for."""
-        lack = (self.asked[:, _CLOSING] - controls[:, _CLOSING]).astype(np.float64)
-        return np.asarray(np.maximum(lack, 0.0), np.float64)
 
 
 def problems_of(

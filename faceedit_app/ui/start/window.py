@@ -332,9 +332,7 @@ class MainWindow(WindowBase):
         return lines
 
     def _mark_modified(self) -> None:
-        name = self.document.project or self.document.path
-        if name is not None:
-            self.entitle(f"{name.name}[*] – FaceEdit")
+        self.entitle(self.document.project or self.document.path)
         before, self._journal_note = self._journal_note, self.document.journal_note
         if self._journal_note and self._journal_note != before:
             self.banner.show_message(self._journal_note, self._journal_note, lasts=True)

@@ -42,11 +42,12 @@ class WindowBase(QMainWindow):
         """Call `work` once the window has been painted."""
         self._on_paint = work
 
-    def entitle(self, title: str) -> None:
-        """Show a title, now or once the content that it names has been painted."""
-        self._title = title
-        if not self._holds_title:
-            self.setWindowTitle(title)
+    def entitle(self, file: Path | None) -> None:
+        """Name a file in the title, now or once its content has been painted; None is none yet."""
+        if file is not None:
+            self._title = f"{file.name}[*] – FaceEdit"
+        if self._title and not self._holds_title:
+            self.setWindowTitle(self._title)
 
     def hold_title(self) -> None:
         """Other content is about to be shown; its title would be on the screen before it."""
@@ -57,7 +58,7 @@ class WindowBase(QMainWindow):
 
     def _release_title(self) -> None:
         self._holds_title = False
-        self.setWindowTitle(self._title)
+        self.entitle(None)
 
     def keep_frame_on_screen(self) -> None:
         """Once the window system has added its frame: keep that on the screen, too."""
