@@ -11,10 +11,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
     QLineEdit,
-    QWidget,
 )
 from support.curves import drag, turn
-from support.waiting import run_events
 from support.windows import Bench, drag_curve, editor_of, session_of
 
 from faceedit_app.core.controls import CONTROL_IDS
@@ -22,7 +20,6 @@ from faceedit_app.editing.edits.describe import describe_controls
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.edits.model import COLUMNS
 from faceedit_app.ui.edits.panel import EditsPanel
-from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -155,49 +152,6 @@ def test_rename(bench: Bench, window: MainWindow) -> None:
     QTest.keyClicks(editor, "open wide")
     QTest.keyClick(editor, Qt.Key.Key_Return)
     bench.qtbot.waitUntil(lambda: names(window) == ["first", "open wide", "third"])
-
-
-def double_click(panel: EditsPanel, row: int, from_right: int) -> QWidget:
-    """On a part of a row; returns the field that opens."""
-    rect = panel.list.visualRect(panel.model.index(row))
-    place = QPoint(rect.right() - from_right, rect.center().y())
-    QTest.mouseClick(panel.list.viewport(), LEFT, pos=place)
-    QTest.mouseDClick(panel.list.viewport(), LEFT, pos=place)
-    field = QApplication.focusWidget()
-    assert field is not None
-    return field
-
-
-def enter(field: QWidget) -> None:
-    """Qt commits what was typed once the field has handled the key."""
-    QTest.keyClick(field, Qt.Key.Key_Return)
-    run_events()
-
-
-def test_strength_and_range_are_typed_in_the_list(window: MainWindow) -> None:
-    panel, session = panel_of(window), session_of(window)
-    field = double_click(panel, 1, 20)
-    assert isinstance(field, NumberBox)
-    assert field.lineEdit().width() > field.fontMetrics().horizontalAdvance("150 %"), "to be read"
-    field.setValue(60)
-    enter(field)
-    assert session.edits[1].strength == 0.6
-    assert session.undo_name == "Edit strength"
-    for typed, expected in (("0.75 - 2", (0.75, 2.0)), ("1", (1, 1))):
-        line = double_click(panel, 1, 100)
-        assert isinstance(line, QLineEdit)
-        line.setText(typed)
-        enter(line)
-        assert (session.edits[1].start, session.edits[1].end) == expected
-    window.actions_["unit_frames"].trigger()
-    line = double_click(panel, 1, 100)
-    assert isinstance(line, QLineEdit)
-    assert line.text() == "61 – 61"
-    line.setText("61 – 91")
-    enter(line)
-    times = session.take.clip.times
-    assert (session.edits[1].start, session.edits[1].end) == (times[60], times[90])
-    assert session.edits[1].strength == 0.6
 
 
 def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:

@@ -1,4 +1,4 @@
-"""What is typed wrongly into any field stays, with the reason beside it, and changes nothing."""
+"""Typing into the fields of the window: what is wrong stays, with the reason beside it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QLineEdit, QWidget
 from pytestqt.qtbot import QtBot
@@ -16,6 +16,7 @@ from support.waiting import run_events
 from support.windows import Bench, add_edit, editor_of, session_of
 
 import faceedit_app.ui
+from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
 from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.refused import reason_in
@@ -87,17 +88,58 @@ def test_what_is_wrong_stays_when_the_field_is_left(bench: Bench) -> None:
     assert window.timeline.selection == (1.25, 1.25)
 
 
+def double_click(panel: EditsPanel, row: int, from_right: int) -> QWidget:
+    """On a part of a row; returns the field that opens."""
+    rect = panel.list.visualRect(panel.model.index(row))
+    place = QPoint(rect.right() - from_right, rect.center().y())
+    QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    QTest.mouseDClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    field = QApplication.focusWidget()
+    assert field is not None
+    return field
+
+
+def enter(field: QWidget) -> None:
+    """Qt commits what was typed once the field has handled the key."""
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    run_events()
+
+
+def test_strength_and_range_are_typed_in_the_list(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window, 3.0)
+    add_edit(window)
+    panel, session = editor_of(window).edits, session_of(window)
+    field = double_click(panel, 1, 20)
+    assert isinstance(field, NumberBox)
+    assert field.lineEdit().width() > field.fontMetrics().horizontalAdvance("150 %"), "to be read"
+    field.setValue(60)
+    enter(field)
+    assert session.edits[1].strength == 0.6
+    assert session.undo_name == "Edit strength"
+    for typed, expected in (("0.75 - 2", (0.75, 2.0)), ("1", (1, 1))):
+        line = double_click(panel, 1, 100)
+        assert isinstance(line, QLineEdit)
+        line.setText(typed)
+        enter(line)
+        assert (session.edits[1].start, session.edits[1].end) == expected
+    window.actions_["unit_frames"].trigger()
+    line = double_click(panel, 1, 100)
+    assert isinstance(line, QLineEdit)
+    assert line.text() == "61 – 61"
+    line.setText("61 – 91")
+    enter(line)
+    times = session.take.clip.times
+    assert (session.edits[1].start, session.edits[1].end) == (times[60], times[90])
+    assert session.edits[1].strength == 0.6
+
+
 @pytest.mark.parametrize("across", [20, 100], ids=["strength", "range"])
 def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int) -> None:
     window = bench.editing()
     add_edit(window)
-    list_, session = editor_of(window).edits.list, session_of(window)
-    row = list_.visualRect(list_.model().index(0, 0))
-    place = row.center()
-    place.setX(row.right() - across)
-    QTest.mouseClick(list_.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    QTest.mouseDClick(list_.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    field, edits = QApplication.focusWidget(), session.edits
+    session = session_of(window)
+    field, edits = double_click(editor_of(window).edits, 0, across), session.edits
     assert isinstance(field, NumberBox | QLineEdit)
     type_wrongly(field)
     run_events()
