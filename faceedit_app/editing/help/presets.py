@@ -30,6 +30,7 @@ from faceedit_app.core.fields import (
     to_text,
 )
 from faceedit_app.editing.edits.edit import Edit, Op, edits_from, to_json
+from faceedit_app.formats.timing import counted
 
 VERSION = 1
 SHIPPED = Path(__file__).parent / "presets"
@@ -186,6 +187,17 @@ def left_out(edits: Sequence[Edit], start: float, end: float) -> list[Edit]:
         if edit.op is Op.RETIME and edit.start <= end and edit.end >= start
         if edit.start < start or edit.end > end
     ]
+
+
+def described(preset: Preset, edits: Sequence[Edit], start: float, end: float) -> str:
+    """A preset that was saved, for the user: its name, what it holds, and what it leaves out.
+
+    Args:
+        edits, start, end: as of `left_out`.
+    """
+    text = f"“{preset.name}”: {counted(len(preset.edits), 'edit')}"
+    without = ", without the retimes that go on beyond the selection"
+    return text + without if left_out(edits, start, end) else text
 
 
 def save_preset(

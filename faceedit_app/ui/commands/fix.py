@@ -14,7 +14,7 @@ from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
-    left_out,
+    described,
     load_presets,
     save_preset,
     shipped_presets,
@@ -156,10 +156,8 @@ class FixCommands:
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
             return
-        text = f"Saved the preset “{name}”: {counted(len(saved.edits), 'edit')}"
-        if left_out(session.edits, start, end):
-            text += ", without the retimes that go on beyond the selection"
-        self._workspace.message.emit(text)
+        text = described(saved, session.edits, start, end)
+        self._workspace.message.emit(f"Saved the preset {text}")
 
     def _delete(self, preset: Preset) -> None:
         try:
