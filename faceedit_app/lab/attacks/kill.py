@@ -30,8 +30,8 @@ def kill(
 
     Args:
         times: how often.
-        seed: the same seed makes the same gestures, however many windows there are at once; how far
-            they come depends on the machine.
+        seed: the same seed makes the same gestures, and kills after as many of them, however many
+            windows there are at once; at which instruction depends on the machine.
         advance: called with the number of kills done.
         jobs: how many windows at once; None = one for each processor.
         seconds: after these, no further window is started; None = all are.

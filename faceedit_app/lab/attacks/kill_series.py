@@ -26,13 +26,14 @@ from faceedit_app.editing.files.project import read_project
 from faceedit_app.formats.opening import open_take
 from faceedit_app.lab.attacks import victim
 
-_PATIENCE = 600.0  # seconds for a window to start on a busy machine
-_LONGEST_WORK = 6.0  # seconds from the first gesture to a kill
+_PATIENCE = 600.0  # seconds for a window to start, or to make a gesture, on a busy machine
+_MOST_GESTURES = 30  # before a kill in gestures
+_NO_WRITE = 60  # gestures without saving or exporting after which a window is killed anyway
 _LOOKS = 0.2  # seconds between two looks whether the series is over
 _GOODBYE = 10.0  # seconds for the last lines of a window that was killed
 _START, _GESTURES, _WRITE = "start", "gestures", "write"
 _AIMS = (_START, _GESTURES, _GESTURES, _WRITE)  # when kills come, equally often
-_TAKES = {_START: 2.0, "save": 0.03, "export": 0.03}  # seconds, until one was seen
+_TAKES = {_START: 2.0, _GESTURES: 0.2, "save": 0.03, "export": 0.03}  # seconds, as first guesses
 
 _Line = dict[str, Any]  # what a window says
 
@@ -71,26 +72,27 @@ class _Known:
     Attributes:
         state: after the last finished step.
         saved: states that were saved as a project or exported, or are being: their journal ends.
-        begun: what has begun and not ended: start, save or export; "" between them.
+        begun: what has begun and not ended: start, save, export or gestures.
         since: when it began, seconds of the clock.
-        takes: how long each of them took last, seconds.
+        takes: how long each of them took last, seconds; for gestures, a single one.
+        gestures: that the running window has made.
     """
 
     state: str = ""
     saved: set[str] = field(default_factory=set)
-    begun: str = ""
+    begun: str = _GESTURES
     since: float = 0.0
     takes: dict[str, float] = field(default_factory=_TAKES.copy)
+    gestures: int = 0
 
     def begin(self, what: str) -> None:
         """Something begins."""
         self.begun, self.since = what, time.monotonic()
 
     def end(self) -> None:
-        """It has ended."""
-        if self.begun:
-            self.takes[self.begun] = time.monotonic() - self.since
-        self.begun = ""
+        """It has ended; gestures follow."""
+        self.takes[self.begun] = time.monotonic() - self.since
+        self.begin(_GESTURES)
 
 
 @dataclass(frozen=True)
@@ -99,24 +101,28 @@ class _Plan:
 
     Attributes:
         aim: what is to be going on.
+        gestures: how many before it, if gestures are.
         share: of that, before the kill, from 0 to 1.
     """
 
     aim: str
+    gestures: int
     share: float
 
     def moment(self, line: _Line, known: _Known) -> float:
-        """The latest moment for the kill, seconds of the clock, after a line of the window."""
-        now = time.monotonic()
-        match line:
-            case {"starts": True} if self.aim == _START:
-                return now + self.share * known.takes[_START]
-            case {"did": "open" | "recover"} if self.aim == _GESTURES:
-                return now + self.share * _LONGEST_WORK
-            case {"did": "open" | "recover"} if self.aim == _WRITE:
-                return now + 2 * _LONGEST_WORK  # if nothing is written until then
-            case {"begins": str(what)} if self.aim == _WRITE:
-                return now + self.share * known.takes[what]
+        """The latest moment for the kill, seconds of the clock, after a line of the window.
+
+        Args:
+            known: also by this line.
+        """
+        match self.aim, line:
+            case ("start", {"starts": True}) | ("write", {"begins": _}):
+                return time.monotonic() + self.share * known.takes[known.begun]
+            case "gestures", {"did": "open" | "recover" | "gesture"}:
+                if known.gestures >= self.gestures:
+                    return time.monotonic() + self.share * known.takes[_GESTURES]
+            case "write", {"did": "gesture"} if known.gestures >= _NO_WRITE:
+                return 0.0
         return math.inf
 
 
@@ -144,7 +150,7 @@ class Series:
             is_over: whether to end at once; such a kill does not count.
         """
         chance = random.Random(seed)
-        plan = _Plan(chance.choice(_AIMS), chance.random())
+        plan = _Plan(chance.choice(_AIMS), chance.randint(0, _MOST_GESTURES), chance.random())
         said: queue.Queue[_Line | None] = queue.Queue()
         with tempfile.TemporaryFile() as errors:
             process = _started(self._folder, seed, errors)
@@ -166,7 +172,7 @@ class Series:
                 errors.seek(0)
                 last = errors.read().decode(errors="replace").strip().splitlines()[-1:]
                 self.killed.problems.append(f"{problem}: {(last or ['no error'])[0][:200]}")
-        self.killed.kills[self._known.begun or _GESTURES] += 1
+        self.killed.kills[self._known.begun] += 1
         found = len(self.killed.problems)
         self._check()
         for at, wrong in enumerate(self.killed.problems[found:], start=found):
@@ -185,14 +191,16 @@ class Series:
                 continue
             if line is None:
                 return "the window ended by itself"
-            moment = min(moment, plan.moment(line, self._known))
             self._note(line)
-        return "the window did not start" if moment == math.inf else ""
+            moment = min(moment, plan.moment(line, self._known))
+            patience = time.monotonic() + _PATIENCE
+        return "the window hangs, or did not start" if moment == math.inf else ""
 
     def _note(self, line: _Line) -> None:
         known = self._known
         match line:
             case {"starts": True}:
+                known.gestures = 0
                 known.begin(_START)
             case {"did": "recover", "state": str(state)}:
                 known.end()
@@ -209,6 +217,9 @@ class Series:
             case {"begins": str(what), "state": str(state)}:
                 known.begin(what)
                 known.saved.add(state)
+            case {"did": "gesture"}:
+                known.gestures += 1
+                known.end()
             case {"did": "save" | "export"}:
                 known.end()
 

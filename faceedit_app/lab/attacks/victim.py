@@ -79,6 +79,7 @@ def main(folder: Path, seed: str) -> None:
             monkey.act()
             QCoreApplication.processEvents()
             window.workspace.end_gestures()
+            _say(did="gesture")
             if chance.random() < 0.05:
                 window.document.save_project(folder / PROJECT, ViewState(), window.media.placement)
             if chance.random() < 0.05:
