@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -170,6 +171,17 @@ class EditSession(EditHistory):
     def moved(self, values: Floats) -> Floats:
         """(T,) values of the frames, such as confidence, at the moments that retimes show."""
         return self._solver.moved(self.edits, values)
+
+    def find_filled(self, seconds: float) -> bool:
+        """Find some of the frames for `filled_frames`, for about so many seconds.
+
+        Returns:
+            Whether all are found, so that `filled_frames` is quick.
+        """
+        lost, edits = self.take.lost_rows, self._steps.shown.edits
+        if lost is None or not any(edit.op is Op.FILL for edit in edits):
+            return True
+        return self._solver.find_some(lost, edits, time.perf_counter() + seconds)
 
     def filled_frames(self) -> FilledFrames | None:
         """The frames that fills give to gaps, as shown: also those of a preview; None if none."""

@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from support.takes import make_livelink_csv
 from support.windows import Bench, editor_of, session_of, trigger, trigger_enabled
 
+from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.formats.opening import open_take
@@ -102,3 +103,30 @@ def test_another_take_has_no_filled_frames(bench: Bench, window: MainWindow) -> 
     window.document.adopt(type(session_of(window))(open_take(bench.take), session_of(window).rig))
     assert window.timeline.filled_frames is None
     assert window.timeline.filled is None
+
+
+def test_many_gaps_are_filled_in_slices(bench: Bench) -> None:
+    """So that the window does not stand still meanwhile; they are shown when all are found."""
+    lost = [row for first in range(30, 210, 20) for row in (first, first + 1)]
+    window = bench.editing(make_livelink_csv(bench.folder / "gaps.csv", 4.0, 60, untracked=lost))
+    editor, session, line = editor_of(window), session_of(window), window.timeline
+    calls = []
+    find = session.find_filled
+
+    def find_one(_seconds: float) -> bool:
+        calls.append(find(0.0))
+        return calls[-1]
+
+    session.find_filled = find_one  # type: ignore[method-assign]
+    editor.problems.search()
+    session.add(*(edit for problem in editor.problems.problems for edit in problem.fix))
+    assert line.filled_frames is None
+    with bench.qtbot.waitSignal(editor.gap_frames.changed):
+        pass
+    assert len(calls) > 5
+    assert line.filled_frames is not None
+    assert len(line.filled_frames) == len(lost)
+    rows = session.filled_rows()
+    assert rows is not None
+    columns = [ARKIT_INDEX[channel] for channel in session.take.clip.channels]
+    np.testing.assert_array_equal(line.filled_frames.weights[:, columns], rows)

@@ -8,7 +8,9 @@ retimes, also after those that follow the reset.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Hashable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -28,6 +30,7 @@ from faceedit_app.editing.solving.retimes import Measure, Retiming
 from faceedit_app.editing.solving.rounding import DECIMALS, rounded
 
 REMEMBERED = 32  # results that are kept: a drag over a fill asks for the same again
+MOST_GAPS = 1024  # whose frames are kept: they are shown after each change
 ROOM = 16 << 20  # bytes of each kind of results; one of a fill of ten minutes takes 15 MB
 
 
@@ -47,6 +50,7 @@ class Fills:
         self._retiming = Retiming(clip, tracked, measure)
         self._starts, self._turns = (Recent[Floats](REMEMBERED, ROOM) for _ in range(2))
         self._known = Recent[Doubles](REMEMBERED, ROOM)
+        self._found = Recent[Doubles](MOST_GAPS, ROOM)
         self._present = np.array([ARKIT_INDEX[c] for c in clip.channels], np.intp)
 
     @property
@@ -156,9 +160,7 @@ class Fills:
         if edit.op is Op.RESET:
             return self._tracked[first:stop].astype(np.float64)
         stretch = self._stretch(edit, out, near, first, stop)
-        around = stretch.before.tobytes(), stretch.after.tobytes()
-        key = (first, stop, edit.seed, edit.points, *around)
-        return self._known.to(key, lambda: self._filling.fill(stretch))
+        return self._known.to(_key(edit, stretch), lambda: self._filling.fill(stretch))
 
     def _stretch(self, edit: Edit, out: Floats, near: slice, first: int, stop: int) -> Stretch:
         """What a fill has to fill, in the take with earlier fills (N, 52) on the frames `near`."""
@@ -172,7 +174,13 @@ class Fills:
             edit.polyline if edit.points else None,
         )
 
-    def found(self, edits: Sequence[Edit], positions: Sequence[float], weights: Floats) -> Floats:
+    def found(
+        self,
+        edits: Sequence[Edit],
+        positions: Sequence[float],
+        weights: Floats,
+        until: float | None = None,
+    ) -> Floats | None:
         """(L, 52) weights for rows that lost the face, where a fill covers them; else NaN.
 
         What other edits change in the frames around is added, in proportion.
@@ -180,13 +188,22 @@ class Fills:
         Args:
             positions: (L) see `LostRows`.
             weights: (T, 52) the result with all edits.
+            until: a time of `time.perf_counter`; then it goes on with no other gap.
+
+        Returns:
+            The weights; None if the time was up. What was found by then is not sought again.
         """
         times, whole = self._clip.times, slice(0, len(self._tracked))
         before = np.floor(positions).astype(np.intp)
         share = np.asarray(positions, np.float64) - before
         seconds = times[before] + share * (times[before + 1] - times[before])
         out = np.full((len(before), self._tracked.shape[1]), np.nan)
+        has_found = False
+        changing: list[Edit] = []  # a fill between two frames changes none
         for i, edit in enumerate(edits):
+            earlier = tuple(changing)
+            if edit.op is not Op.FILL or _rows(edit, times) is not None:
+                changing.append(edit)
             covered = edit.mask(_acts_at(edits, i, seconds)) > 0.5
             if edit.op is Op.NEUTRAL:
                 out = self._without(edit, out.astype(np.float32), seconds).astype(np.float64)
@@ -196,12 +213,16 @@ class Fills:
             if edit.op is Op.RESET:
                 out[covered] = np.nan
             first, stop = fill_frames(times, edit.span)
-            # A fill between two frames covers none.
             if edit.op is Op.FILL and stop - first < len(times):
-                start = self.applied(edits[:i], whole)
-                stretch = self._stretch(edit, start, whole, first, stop)
-                out[covered] = self._filling.between(stretch, seconds[covered])
-        started, share = self.applied(edits, whole), share[:, None]
+                stretch = self._stretch(edit, self.applied(earlier, whole), whole, first, stop)
+                key = (*_key(edit, stretch), seconds[covered].tobytes())
+                if key not in self._found:
+                    if until is not None and has_found and time.perf_counter() >= until:
+                        return None
+                    has_found = True
+                between = partial(self._filling.between, stretch, seconds[covered])
+                out[covered] = self._found.to(key, between)
+        started, share = self.applied(changing, whole), share[:, None]
         for rows, part in ((before, 1.0 - share), (before + 1, share)):
             out += part * (weights[rows] - started[rows]).astype(np.float64)
         found: Floats = np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
@@ -222,6 +243,12 @@ class Fills:
         names = [c for region in regions for c in (*region.channels, *region.accompanying)]
         mine: Indices = np.intersect1d([ARKIT_INDEX[c] for c in names], self._present)
         return mine.astype(np.intp)
+
+
+def _key(edit: Edit, stretch: Stretch) -> tuple[Hashable, ...]:
+    """What the content of a fill depends on."""
+    around = stretch.before.tobytes(), stretch.after.tobytes()
+    return stretch.first, stretch.stop, edit.seed, edit.points, *around
 
 
 def _acting(edits: Sequence[Edit]) -> tuple[Edit, ...]:

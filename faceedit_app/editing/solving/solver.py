@@ -212,6 +212,15 @@ class Solver:
         parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
+    def find_some(self, lost: LostRows, edits: Sequence[Edit], until: float) -> bool:
+        """Find some of the weights for `found` until a time of `time.perf_counter`.
+
+        Returns:
+            Whether all are found.
+        """
+        acting = active(divided(edits)[0])
+        return self._fills.found(acting, lost.positions, self.tracked, until) is not None
+
     def found(self, lost: LostRows, edits: Sequence[Edit], closes: bool, weights: Floats) -> Floats:
         """(L, K) weights for the rows without a face that fills cover; else NaN.
 
@@ -220,6 +229,7 @@ class Solver:
             weights: (T, 52) the result of the edits.
         """
         found = self._fills.found(active(divided(edits)[0]), lost.positions, weights)
+        assert found is not None, "it has all the time"
         if self._closing is not None and closes:
             faces = np.isfinite(found).all(axis=1)
             found[faces] = rounded(self._closing(found[faces]), found[faces])

@@ -157,6 +157,7 @@ class Editor(QWidget):
         self._timeline.playhead_moved.connect(self._played)
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._advanced)
+        self.gap_frames.changed.connect(self._advanced)
         self.solving.finished.connect(self._solved)
         self.edits.selected.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)

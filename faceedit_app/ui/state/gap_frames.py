@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.ui.state.document import Document
@@ -14,34 +14,60 @@ from faceedit_app.ui.state.timeline import Timeline
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.session import EditSession
 
-_QUICK = 0.003  # seconds; in a gesture, what takes longer waits for its end
+_QUICK = 0.003  # seconds; in a gesture, what takes longer waits until the hand rests
+_REST_MS = 100
+_SLICE = 0.01  # seconds of work before events are handled
 
 
 class GapFrames(QObject):
     """Keeps the filled frames of the timeline up to date.
 
     It is made before the views, so that it hears of a change before them.
+
+    Signals:
+        changed(): the frames are there later than the change that made them.
     """
+
+    changed = Signal()
 
     def __init__(self, document: Document, timeline: Timeline, parent: QObject) -> None:
         super().__init__(parent)
         self._document, self._timeline = document, timeline
         self._took = 0.0
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._go_on)
         document.changed.connect(self.refresh)
         document.previewed.connect(self._previewed)
 
     def _previewed(self) -> None:
         if self._took < _QUICK:
             self.refresh()
+        else:
+            self._later.start(_REST_MS)
 
-    def refresh(self) -> None:
-        """Read them again, unless what they follow from is still being computed."""
+    def _go_on(self) -> None:
+        if self.refresh():
+            self.changed.emit()
+
+    def refresh(self) -> bool:
+        """Find them again, unless what they follow from is still being computed.
+
+        Many gaps are filled in slices; the frames are shown when all are there.
+
+        Returns:
+            Whether they are up to date.
+        """
+        self._later.stop()
         session = self._document.session
         if session is None or not session.live.is_complete:
-            return
+            return False
         began = time.perf_counter()
+        if not session.find_filled(_SLICE):
+            self._later.start(0)
+            return False
         self._timeline.fill_gaps(session.filled_frames())
         self._took = time.perf_counter() - began
+        return True
 
 
 def weights_at(session: EditSession, line: Timeline) -> Floats:
