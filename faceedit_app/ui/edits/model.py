@@ -65,6 +65,7 @@ class EditsModel(QAbstractListModel):
         With as many edits as before, the view keeps its rows: after a reset, the release of the
         click that changed one would find no row, and select none.
         """
+        self._grouped = (), {}
         count = len(self.edits)
         if count == self._count:
             if count:

@@ -246,9 +246,8 @@ class MainWindow(WindowBase):
         session = self.document.session
         if self._draws and session is not None:
             page = self.build_editor()
-            face = page.face
-            face.viewport.open(session.shown_rig)
-            face.refresh()
+            page.face.viewport.open(session.shown_rig)
+            page.face.refresh()
             page.curves.show_character(session.shown_rig is not session.rig)
         self.actions_.refresh()
 
