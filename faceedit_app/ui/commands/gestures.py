@@ -39,7 +39,7 @@ GESTURES: tuple[tuple[str, str, str], ...] = (
     ("Face", "+ and −, after 9", "Zoom; 0 resets the camera"),
     ("Face", "Hold B", "Show the tracked face"),
     ("Sound", "Drag", "Scrub with sound"),
-    ("Sound", "Alt and drag", "Move the sound in time; with Shift, ten times finer"),
+    ("Sound", "Ctrl or Alt, and drag", "Move the sound in time; with Shift, ten times finer"),
     ("Words", "Drag an edge", "Move it in time; with Shift, ten times finer"),
     ("Words", "Double-click a word", "Select its time"),
     ("Words", "Right-click a word", "Select its time and open the menu"),

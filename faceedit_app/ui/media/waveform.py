@@ -29,12 +29,15 @@ from faceedit_app.ui.state.timeline import Timeline
 
 HEIGHT = 58  # pixels of the row
 FINE = 0.1  # factor on the pointer's movement, with Shift
+# Keys with which a drag moves the sound; many desktops take Alt and a drag for the window.
+_MOVES = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
 _INK = "#8fb3a6"  # of the waveform; differs from the curves' colours
 _LOUD = 0.99  # quantile of the samples that fits the row's height
 _QUIETEST = 0.05  # of full scale; quieter sound is not enlarged to fill the row
 _TIP = (
     "The take's sound. Drag to scrub.\n"
-    "Alt+drag moves it in time; with Shift, ten times finer. Or type a number on the left."
+    "Ctrl+drag or Alt+drag moves it in time; with Shift, ten times finer.\n"
+    "Or type a number on the left."
 )
 
 
@@ -53,7 +56,7 @@ class Waveform(QWidget):
         self.setObjectName("waveform")
         self.setAccessibleName("Sound")
         self.setAccessibleDescription(
-            "Waveform of the take's sound. Alt and drag moves it in time."
+            "Waveform of the take's sound. Ctrl and drag moves it in time."
         )
         self.setToolTip(_TIP)
         self.setMinimumWidth(40)
@@ -134,14 +137,14 @@ class Waveform(QWidget):
     # --- mouse -----------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Left scrubs, or with Alt moves the sound; middle pans."""
+        """Left scrubs, or with Ctrl or Alt moves the sound; middle pans."""
         x = event.position().x()
         if self._grabbed is not None:
             self._cancel()  # another button during the drag
         elif event.button() == Qt.MouseButton.MiddleButton:
             self._drag = Pan(x, self._timeline.view, self.scale.seconds_per_pixel)
         elif event.button() == Qt.MouseButton.LeftButton and self._media.sound is not None:
-            if event.modifiers() & Qt.KeyboardModifier.AltModifier:
+            if event.modifiers() & _MOVES:
                 self._before = self._media.sound.offset
                 self._grabbed = x, self._before
                 self._media.is_held = True
