@@ -30,8 +30,8 @@ def memory_of(window: MainWindow) -> float:
 
     Pictures take 10 to 150 MB, by the size of the window and of the face in it: more than a leak
     would in an hour. Only those in use are left out: one that is not freed counts. Garbage, and
-    freed memory that the allocators keep for later, are no growth either: after an hour of edits
-    with thousands of points, that is 20 MB.
+    freed memory that the allocators keep for later, are no growth either: after some
+    edits with thousands of points, that is 9 MB.
     """
     gc.collect()
     with contextlib.suppress(AttributeError, OSError):  # another C library than glibc
