@@ -105,7 +105,7 @@ def test_another_take_has_no_filled_frames(bench: Bench, window: MainWindow) -> 
     assert window.timeline.filled is None
 
 
-def test_many_gaps_are_filled_in_slices(bench: Bench) -> None:
+def test_many_gaps_are_filled_in_slices(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """So that the window does not stand still meanwhile; they are shown when all are found."""
     lost = [row for first in range(30, 210, 20) for row in (first, first + 1)]
     window = bench.editing(make_livelink_csv(bench.folder / "gaps.csv", 4.0, 60, untracked=lost))
@@ -117,7 +117,7 @@ def test_many_gaps_are_filled_in_slices(bench: Bench) -> None:
         calls.append(find(0.0))
         return calls[-1]
 
-    session.find_filled = find_one  # type: ignore[method-assign]
+    monkeypatch.setattr(session, "find_filled", find_one)
     editor.problems.search()
     session.add(*(edit for problem in editor.problems.problems for edit in problem.fix))
     assert line.filled_frames is None
