@@ -233,6 +233,7 @@ def test_open_by_command(bench: Bench) -> None:
     assert "Live Link Face CSV" in window.status.facts.text()
     assert "60 fps" in window.status.facts.text()
     assert "180 frames" in window.status.facts.text()
+    assert window.status.gaps.isHidden(), "what is not there leaves no space behind"
     assert window.actions_["export"].isEnabled()
     assert not window.actions_["undo"].isEnabled()
 

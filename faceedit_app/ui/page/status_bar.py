@@ -62,8 +62,13 @@ class StatusBar(QStatusBar):
         super().__init__()
         self.setSizeGripEnabled(False)
         self.facts, self.gaps, self.remarks, self.networks = (_Fact() for _ in range(4))
+        about = QWidget()
+        row = QHBoxLayout(about)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)  # the dots between them are all as far apart
         for label in (self.facts, self.gaps, self.remarks):
-            self.addWidget(label)
+            row.addWidget(label)
+        self.addWidget(about)
         self.live = plain_label()
         self.addPermanentWidget(self.live)
         self.work = self._work_display()
@@ -95,7 +100,8 @@ class StatusBar(QStatusBar):
 
     @staticmethod
     def _add(fact: _Fact, text: str, details: Sequence[str]) -> None:
-        fact.setText(f" ·   {text}" if text else "")
+        fact.setText(f"{_DOT.lstrip()}{text}" if text else "")  # a label has a margin of its own
+        fact.setVisible(bool(text))
         fact.explain(plain_tip("\n".join(details)))
 
     def _work_display(self) -> QWidget:
