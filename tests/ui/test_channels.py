@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialogButtonBox
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QListWidget
 from support.sessions import switch
 from support.takes import livelink_names, make_livelink_csv, speech_like
 from support.windows import Bench, bench, drag, editor_of, session_of, trigger
@@ -35,6 +36,11 @@ def opened(bench: Bench, take: Path | None = None) -> tuple[MainWindow, Channels
     return window, panel
 
 
+def _sees_chosen(rows: QListWidget) -> bool:
+    (chosen,) = rows.selectedItems()
+    return bool(rows.viewport().rect().contains(rows.visualItemRect(chosen).center()))
+
+
 def test_in_a_low_window_the_lists_leave_their_height_to_the_face(bench: Bench) -> None:
     window = bench.editing()
     side = editor_of(window).side
@@ -46,6 +52,8 @@ def test_in_a_low_window_the_lists_leave_their_height_to_the_face(bench: Bench) 
         assert panel is not None
         assert panel.search.hasFocus(), "letters find a channel, and are no shortcuts"
         assert side.sizes()[0] > 180
+        bench.qtbot.waitUntil(partial(_sees_chosen, panel.list))
+        panel.list.scrollToBottom()
         trigger(window, "all_channels")
         bench.qtbot.waitUntil(lambda: side.sizes() == before)
     trigger(window, "all_channels")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QSignalBlocker, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -188,6 +188,9 @@ class ChannelsPanel(QWidget):
             gaps = clip.gap_times
             self.ruler.show_clip(clip, gaps)
         self._choose()
+        self._scroll_to_chosen()
+
+    def _scroll_to_chosen(self) -> None:
         for item in self.list.selectedItems()[:1]:
             self.list.scrollToItem(item, QAbstractItemView.ScrollHint.PositionAtCenter)
 
@@ -238,6 +241,7 @@ class ChannelsPanel(QWidget):
         """Show what has changed meanwhile."""
         super().showEvent(event)
         self.refresh()
+        QTimer.singleShot(0, self, self._scroll_to_chosen)  # after the layout
 
     def refresh(self) -> None:
         """Show the channels as they are now."""
