@@ -22,6 +22,7 @@ from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.presets import shipped_presets
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.edits.model import columns
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.start.window import MainWindow
 
@@ -126,6 +127,10 @@ def test_a_preset_is_saved_applied_and_deleted(
     assert window.status.currentMessage().startswith("Select the range whose edits to save")
     trigger_enabled(window, "undo")
     window.timeline.select((2.0, 3.0))
+    with monkeypatch.context() as patched:
+        patched.setattr(dialogs, "ask_preset_name", lambda _w: pytest.fail("asked for a name"))
+        trigger_enabled(window, "save_preset")
+    assert window.status.currentMessage().startswith("There is no edit in the selection")
     trigger_enabled(window, "fix_smile")
     trigger_enabled(window, "save_preset")
     assert window.status.currentMessage() == "Saved the preset “My smile”: 1 edit"
@@ -163,7 +168,9 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     assert session.edits == ()
     line.go_to_time(9.5)
     trigger_enabled(window, "paste")
-    assert "9.50 to 9.98 s" in window.status.currentMessage(), "not beyond the end of the take"
+    assert "9.50 to 10.00 s" in window.status.currentMessage(), "not beyond the end of the take"
+    (row,) = {columns(edit, clip)[0] for edit in session_of(window).edits}
+    assert row == "9.50 – 10.00 s", "the list says the same"
 
 
 def test_mirror_swaps_left_and_right(window: MainWindow) -> None:
@@ -183,7 +190,7 @@ def test_a_fix_at_the_first_frame_begins_at_the_first_frame(window: MainWindow) 
     window.workspace.message.connect(said.append)
     window.timeline.go_to_time(0.0)
     trigger_enabled(window, "fix_close_lips")
-    assert said[-1].startswith("Close lips: 0.00 to ")
+    assert said[-1].startswith("Close lips: 0.000 to ")
 
 
 def clicked_twice(button: QAbstractButton) -> None:

@@ -33,6 +33,7 @@ from faceedit_app.editing.edits.edit import Edit, Op, edits_from, to_json
 from faceedit_app.formats.timing import counted
 
 VERSION = 1
+NOTHING_TO_SAVE = "There is no edit in the selection; make one, then save the preset"
 SHIPPED = Path(__file__).parent / "presets"
 
 
@@ -200,6 +201,17 @@ def described(preset: Preset, edits: Sequence[Edit], start: float, end: float) -
     return text + without if left_out(edits, start, end) else text
 
 
+def edits_within(edits: Sequence[Edit], start: float, end: float) -> list[Edit]:
+    """The edits that a preset of the selection from `start` to `end` seconds is made of."""
+    cut_off = left_out(edits, start, end)
+    return [
+        edit
+        for edit in edits
+        if edit.effect is not None and edit.start <= end and edit.end >= start
+        if edit not in cut_off
+    ]
+
+
 def save_preset(
     name: str,
     edits: Sequence[Edit],
@@ -224,15 +236,12 @@ def save_preset(
     name = clean_text(name.strip())
     if not name:
         raise FaceEditError("The preset has no name; give it one")
-    cut_off = left_out(edits, start, end)
     kept = [
         replace(edit, start=max(edit.start, start), end=min(edit.end, end)).shifted(-start)
-        for edit in edits
-        if edit.effect is not None and edit.start <= end and edit.end >= start
-        if edit not in cut_off
+        for edit in edits_within(edits, start, end)
     ]
     if not kept:
-        raise FaceEditError("There is no edit in the selection; make one, then save the preset")
+        raise FaceEditError(NOTHING_TO_SAVE)
     folder = folder or own_folder()
     path = folder / f"{_file_name(name)}.json"
     if on_disk.exists(path) and not replace_old:

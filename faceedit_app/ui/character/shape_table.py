@@ -8,6 +8,7 @@ from PySide6.QtCore import QAbstractTableModel, Qt, QTimer, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
     QAbstractItemView,
+    QApplication,
     QComboBox,
     QHeaderView,
     QStyledItemDelegate,
@@ -31,6 +32,8 @@ _HEADS = ("Channel", "Shape in the file", *LEVEL_HEADS, "Note")
 CHANNEL, SHAPE, MULTIPLIER, OFFSET, LIMIT, NOTE = range(6)
 _LEVELS = (MULTIPLIER, OFFSET, LIMIT)
 _WIDEST = 260  # pixels of a column: names of shapes can be of any length
+_SOON = 20  # ms
+_MOST_SHAPES = 16  # shown at once, in the list of a cell
 
 
 class ShapeModel(QAbstractTableModel):
@@ -192,14 +195,21 @@ class _ShapeDelegate(QStyledItemDelegate):
         assert isinstance(model, ShapeModel)
         box = Choice()
         box.setParent(parent)
+        box.setMaxVisibleItems(_MOST_SHAPES)
         box.addItems([NO_SHAPE, *model.targets])
 
         def choose() -> None:
             self.commitData.emit(box)
             self.closeEditor.emit(box)
 
+        def open_list() -> None:
+            if QApplication.mouseButtons() == Qt.MouseButton.NoButton:
+                box.showPopup()
+            else:  # the release of the double click would close it
+                QTimer.singleShot(_SOON, box, open_list)
+
         box.activated.connect(choose)
-        QTimer.singleShot(0, box, box.showPopup)  # once it has its place and its text
+        QTimer.singleShot(0, box, open_list)  # once it has its place and its text
         return box
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:

@@ -12,9 +12,11 @@ from PySide6.QtWidgets import QMenu
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
 from faceedit_app.editing.help.presets import (
+    NOTHING_TO_SAVE,
     Preset,
     delete_preset,
     described,
+    edits_within,
     load_presets,
     save_preset,
     shipped_presets,
@@ -148,6 +150,9 @@ class FixCommands:
             self._workspace.message.emit("Select the range whose edits to save first")
             return
         start, end = selection
+        if not edits_within(session.edits, start, end):
+            self._workspace.message.emit(NOTHING_TO_SAVE)
+            return
         name = dialogs.ask_preset_name(self._workspace.window)
         if not name:
             return

@@ -191,17 +191,21 @@ class RetimeCommands:
 
             return read_sound(path)
 
+        reading = self._workspace.opener.reading
+
         def done(sound: Sound | None) -> None:
+            reading.emit("")
             if sound is None:
                 self._workspace.message.emit(f"{path.name} has no sound; choose another file")
             else:
                 self._ask_their_words(sound)
 
-        self._workspace.message.emit(f"Reading {path.name}…")
-        self._workspace.background.run(read, done, self._failed)
+        def failed(error: Exception) -> None:
+            reading.emit("")
+            dialogs.report_failure(self._workspace.window, error)
 
-    def _failed(self, error: Exception) -> None:
-        dialogs.report_failure(self._workspace.window, error)
+        reading.emit(f"Reading {path.name}…")
+        self._workspace.background.run(read, done, failed)
 
     def _ask_their_words(self, sound: Sound) -> None:
         """Ask what the other sound says; at first what the take says."""

@@ -66,7 +66,7 @@ class SpliceCommands:
         shown = self._workspace.shown_time(at)
         self._ask(
             "Insert time and lengthen",
-            f"At {shown} the face rests, without sound; everything after it moves later.",
+            f"At {shown} the face holds still, without sound; everything after it moves later.",
             (_FIRST, LONGEST_INSERT),
             lambda seconds: Splice(at, at, seconds),
         )

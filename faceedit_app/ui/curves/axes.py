@@ -33,6 +33,7 @@ _FRAME_CLOSEST = 9.0  # least pixels between two marked frames
 _TICK_CLOSEST = 5.0
 _TICK, _FRAME_TICK = 9, 4  # pixels
 _TIME_OFFSET = 9  # pixels between the ticks of the times and their numbers
+_APART = 4.0  # pixels between two numbers: without, two timecodes read as one
 _INSET = 4.0  # pixels between an end and its number, over which the playhead would lie
 _BEYOND = 10_000  # pixels beyond the ends, where pyqtgraph omits a number
 
@@ -159,7 +160,7 @@ class _InsideAxis(pg.AxisItem):
         kept: list[tuple[QRectF, Any, str]] = []
         for rect, flags, text in texts:
             rect.moveLeft(min(max(rect.left(), _INSET), self.width() - rect.width() - _INSET))
-            if not kept or rect.left() > kept[-1][0].right():
+            if not kept or rect.left() > kept[-1][0].right() + _APART:
                 kept.append((rect, flags, text))
         return axis, ticks, kept
 

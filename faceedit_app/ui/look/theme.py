@@ -102,6 +102,7 @@ QAbstractSpinBox, QComboBox, QPlainTextEdit {{
 QAbstractSpinBox#small {{ padding: 0 2px; min-height: 19px; }}
 QAbstractSpinBox:focus, QComboBox:focus, QPlainTextEdit:focus {{ border-color: {ACCENT}; }}
 QAbstractSpinBox::up-button, QAbstractSpinBox::down-button {{ width: 0; border: none; }}
+QTableView QComboBox {{ combobox-popup: 0; }}  /* scrolls: a head may have hundreds of shapes */
 QComboBox::drop-down {{ border: none; width: 16px; }}
 QFileDialog QComboBox::down-arrow {{ image: url("{_ARROW}"); width: 12px; height: 12px; }}
 QComboBox QAbstractItemView {{
