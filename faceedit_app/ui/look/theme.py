@@ -161,7 +161,7 @@ QDialog QScrollArea {{ border: 1px solid transparent; }}
 QDialog QScrollArea:focus, QTableView:focus {{ border: 1px solid {ACCENT}; }}
 QTreeView {{ background: {BACKGROUND}; border: 1px solid transparent; outline: none; }}
 QTreeView:focus {{ border-color: {ACCENT}; }}
-QTreeView::item {{ padding: 3px 5px; }}  /* as far in as the titles */
+QTreeView::item {{ padding: 3px 15px 3px 5px; }}  /* under their titles, which have arrows */
 QTreeView::item:selected {{ background: {ACCENT_DEEP}; color: {TEXT}; }}
 QHeaderView::section {{
     background: {PANEL}; color: {MUTED}; border: none; padding: 3px 8px;
