@@ -33,7 +33,7 @@ from faceedit_app.editing.edits.edit import Edit, Op, edits_from, to_json
 from faceedit_app.formats.timing import counted
 
 VERSION = 1
-NOTHING_TO_SAVE = "There is no edit in the selection; make one, then save the preset"
+_NOTHING = "There is no edit in the selection; make one, then save the preset"
 SHIPPED = Path(__file__).parent / "presets"
 
 
@@ -201,7 +201,7 @@ def described(preset: Preset, edits: Sequence[Edit], start: float, end: float) -
     return text + without if left_out(edits, start, end) else text
 
 
-def edits_within(edits: Sequence[Edit], start: float, end: float) -> list[Edit]:
+def _edits_within(edits: Sequence[Edit], start: float, end: float) -> list[Edit]:
     """The edits that a preset of the selection from `start` to `end` seconds is made of."""
     cut_off = left_out(edits, start, end)
     return [
@@ -210,6 +210,13 @@ def edits_within(edits: Sequence[Edit], start: float, end: float) -> list[Edit]:
         if edit.effect is not None and edit.start <= end and edit.end >= start
         if edit not in cut_off
     ]
+
+
+def why_not_saved(edits: Sequence[Edit], selection: tuple[float, float] | None) -> str:
+    """Why no preset can be made of a selection in seconds, before a name is asked; "" if it can."""
+    if selection is None:
+        return "Select the range whose edits to save first"
+    return "" if _edits_within(edits, *selection) else _NOTHING
 
 
 def save_preset(
@@ -238,10 +245,10 @@ def save_preset(
         raise FaceEditError("The preset has no name; give it one")
     kept = [
         replace(edit, start=max(edit.start, start), end=min(edit.end, end)).shifted(-start)
-        for edit in edits_within(edits, start, end)
+        for edit in _edits_within(edits, start, end)
     ]
     if not kept:
-        raise FaceEditError(NOTHING_TO_SAVE)
+        raise FaceEditError(_NOTHING)
     folder = folder or own_folder()
     path = folder / f"{_file_name(name)}.json"
     if on_disk.exists(path) and not replace_old:

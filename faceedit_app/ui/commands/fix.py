@@ -12,14 +12,13 @@ from PySide6.QtWidgets import QMenu
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
 from faceedit_app.editing.help.presets import (
-    NOTHING_TO_SAVE,
     Preset,
     delete_preset,
     described,
-    edits_within,
     load_presets,
     save_preset,
     shipped_presets,
+    why_not_saved,
 )
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import conditions as c
@@ -146,22 +145,19 @@ class FixCommands:
             return
         self._workspace.end_gestures()
         selection = self._timeline.own_selection
-        if selection is None:
-            self._workspace.message.emit("Select the range whose edits to save first")
-            return
-        start, end = selection
-        if not edits_within(session.edits, start, end):
-            self._workspace.message.emit(NOTHING_TO_SAVE)
+        why = why_not_saved(session.edits, selection)
+        if selection is None or why:
+            self._workspace.message.emit(why)
             return
         name = dialogs.ask_preset_name(self._workspace.window)
         if not name:
             return
         try:
-            saved = save_preset(name, session.edits, start, end)
+            saved = save_preset(name, session.edits, *selection)
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
             return
-        text = described(saved, session.edits, start, end)
+        text = described(saved, session.edits, *selection)
         self._workspace.message.emit(f"Saved the preset {text}")
 
     def _delete(self, preset: Preset) -> None:
