@@ -208,7 +208,7 @@ def _bun(centre: Floats, out: Floats) -> Part:
     up = np.cross(out, right)
     tilt = np.pi * np.arange(1, HAIR.bun_rows)[:, None] / HAIR.bun_rows
     turn = 2 * np.pi * np.arange(HAIR.bun_columns) / HAIR.bun_columns
-    wave = np.cos(turn * HAIR.bun_columns / 2 + np.arange(1, HAIR.bun_rows)[:, None] * np.pi / 2)
+    wave = np.cos(HAIR.bun_grooves * (turn + tilt / 2))
     ball = (
         np.stack(
             np.broadcast_arrays(

@@ -383,7 +383,8 @@ def test_the_shipped_character_blinks(renderer: FaceRenderer, blinking: tuple[st
         opening = np.s_[top : bottom + 1, x - 12 : x + 13]
         assert awake[opening].std() > 40, "white, iris and pupil"
         if lid in blinking:
-            assert asleep[opening].std() < 0.6 * awake[opening].std()
+            # Lashes, with fine hair between them, lie along its lower border.
+            assert asleep[opening].std() < 0.7 * awake[opening].std()
             untouched[top - 20 : bottom + 20, x - 30 : x + 31] = False
     changed = np.abs(asleep - awake) > 15
     assert changed.sum() > 400 * len(blinking)

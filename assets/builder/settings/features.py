@@ -68,8 +68,9 @@ class Hair:
     bun_radius: float = 23.0
     bun_out: float = 15.0  # how far its centre stands off the pole
     bun_flat: float = 0.8
-    bun_columns: int = 18
-    bun_rows: int = 9
+    bun_columns: int = 36
+    bun_rows: int = 13
+    bun_grooves: int = 9  # they wind around it
     bun_groove: float = 0.045  # share of its radius
     bun_shade: float = 0.22
     bun_front: tuple[float, float, float] = (0.64, 1.1, 0.75)  # share of the rows, shades
