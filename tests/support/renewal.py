@@ -6,6 +6,7 @@ It is used again only if nothing that `facts_of` sees tells it from a new one; e
 from __future__ import annotations
 
 import re
+import sys
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -16,6 +17,8 @@ from typing import Any
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import (
+    QCoreApplication,
+    QEvent,
     QObject,
     QPoint,
     QPointF,
@@ -27,6 +30,7 @@ from PySide6.QtCore import (
     SignalInstance,
 )
 from PySide6.QtGui import QAction
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractSlider,
@@ -45,8 +49,12 @@ from PySide6.QtWidgets import (
 )
 from shiboken6 import isValid
 
+from faceedit_app.ui.curves.header import Header
+from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.time_view import TimeView
+from faceedit_app.ui.edits.delegate import EditsDelegate
 from faceedit_app.ui.face.resolution import Quality
+from faceedit_app.ui.media.parts import Name
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.background import Background
@@ -65,7 +73,7 @@ _OURS = "faceedit_app.ui."
 _PASSING = {
     "__METAOBJECT__", "_job", "draws", "_newest", "_anchor", "_last_preview", "_spans",
     "_extremes", "_numbers", "_painted", "lastMousePos", "_stale", "_smooth", "_picture", "_began",
-    "_shown_at", "_measured", "range", "_box", "_backdrop", "_took",
+    "_shown_at", "_measured", "range", "_box", "_backdrop", "_took", "_loudest", "_share",
 }  # fmt: skip
 
 
@@ -93,6 +101,8 @@ def facts_of(window: MainWindow) -> Facts:
 
 def _parts(above: str, thing: QObject) -> Iterator[tuple[str, QObject]]:
     """It and all below it, by names that do not depend on what lies upon what."""
+    if isinstance(thing, CurvePlot | Header) and thing.control.optional and thing.isHidden():
+        return  # folded away, it is brought up to date when it is unfolded
     yield above, thing
     counts: Counter[str] = Counter()
     for child in thing.children():
@@ -230,6 +240,7 @@ class Shelf:
         """Empty a window and keep it; False if there is one, or it is of no further use."""
         if self._window is not None or not _is_of_use(window):
             return False
+        _release_mouse(window)
         _empty(window)
         self._window = window
         return True
@@ -241,10 +252,9 @@ class Shelf:
 
 
 def _is_of_use(window: MainWindow) -> bool:
-    """Whether it still works, nothing works for it, and it has neither windows nor the mouse."""
+    """Whether it still works, nothing works for it, and it has no windows of its own."""
     return (
         isValid(window)
-        and QApplication.mouseButtons() == Qt.MouseButton.NoButton
         and QApplication.activePopupWidget() is None
         and window.isVisible()
         and window.editor is not None
@@ -257,11 +267,27 @@ def _is_of_use(window: MainWindow) -> bool:
 
 def _is_idle(background: Background) -> bool:
     pool: ThreadPoolExecutor = background._pool
-    return (
-        not background._closed
-        and pool._work_queue.empty()
-        and pool._idle_semaphore._value == len(pool._threads)
-    )
+    threads = [thread.ident for thread in pool._threads]
+    return not background._closed and pool._work_queue.empty() and all(map(_waits, threads))
+
+
+def _waits(thread: int | None) -> bool:
+    """Whether a thread of a pool waits for work.
+
+    The pool itself does not know: it counts a thread twice as idle if work had to wait for one.
+    """
+    frame = sys._current_frames().get(thread or 0)
+    if frame is None or frame.f_code.co_name != "_worker":
+        return False
+    return frame.f_locals.get("work_item") is None
+
+
+def _release_mouse(window: MainWindow) -> None:
+    """Release what a test has left pressed."""
+    left, right = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
+    for button in (left, right, Qt.MouseButton.MiddleButton):
+        if button in QApplication.mouseButtons():
+            QTest.mouseRelease(window, button)
 
 
 def _empty(window: MainWindow) -> None:
@@ -271,6 +297,8 @@ def _empty(window: MainWindow) -> None:
     assert document.session is not None
     workspace.end_gestures()
     window.commands.file.stop()
+    for background in window.findChildren(Background):  # deliver nothing any more, as if closed
+        QCoreApplication.removePostedEvents(background, QEvent.Type.MetaCall.value)
     workspace.unfinished.stop()
     workspace.playback.pause()
     workspace.media.clear()
@@ -323,6 +351,16 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     mouse._x = mouse._shown = 0.0
     mouse._came_from = 0
     mouse._timer.setInterval(0)  # as long as the last preview had to wait
+    page.curves.hand._held = ""
+    handles = page.face.handles
+    handles._drop()
+    handles._hover(None, False)
+    handles._from = handles._last = QPointF()
+    handles._pulled = 0.0
+    for name in window.findChildren(Name):
+        name._name = ""
+    for delegate in window.findChildren(EditsDelegate):
+        vars(delegate).pop("edits", None)
     fields._setting, fields._made = None, None
     fields._typed.clear()
     page.curves.range_bar._before = page.curves.range_bar._hovered = None

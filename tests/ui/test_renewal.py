@@ -6,6 +6,7 @@ from collections.abc import Callable
 from threading import Event
 
 from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 from support import renewal
 from support.waiting import run_events, wait_for_background
 from support.windows import Bench, drag_curve, editor_of, press_key, trigger
@@ -58,6 +59,10 @@ def test_a_window_that_was_used_is_as_new(bench: Bench) -> None:
     for command in ("undo", "tool_draw", "zoom_in", "loop", "show_both", "unit_frames"):
         trigger(window, command)
     hide_a_curve(window)
+    trigger(window, "unfold_curves")
+    QTest.mousePress(editor_of(window).curves.plots[0].viewport(), Qt.MouseButton.LeftButton)
+    for _ in range(6):  # more than there are threads
+        window.workspace.background.run(int, lambda _: None, lambda _: None)
     wait_for_background(window.workspace.background)
     shelf = renewal.Shelf()
     assert shelf.put(window)
