@@ -50,7 +50,7 @@ from faceedit_app.render.camera import Camera, default_camera
 
 @pytest.fixture(scope="module")
 def takes(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return folder_of_takes(tmp_path_factory.mktemp("data") / "someone", seconds=14.0)
+    return folder_of_takes(tmp_path_factory.mktemp("data") / "someone", seconds=9.0)
 
 
 @pytest.fixture(scope="module")
@@ -307,7 +307,7 @@ def test_the_card_measures_each_source_by_networks_that_never_saw_it(
     assert "trained: Without someone" in capsys.readouterr().err
     people, card = (tmp_path / "report" / "people.md").read_text(), (mine / "README.md").read_text()
     for text in (people, card):
-        assert "| `someone` | iPhone | 2 | 23 | no |" in text
+        assert "| `someone` | iPhone | 2 | 15 | no |" in text
         assert "| `another` | iPhone | 1 | 5 | no |" in text
         assert "`someone`: answered by networks that were trained here" in text
         assert "1 pass over" in text
