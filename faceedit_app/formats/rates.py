@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-SET_RATE = "Take > Frame rate, or --fps"  # where the user gives it
+SET_RATE = "Take > Frame rate, or the option fps"  # where the user gives it
 _ELSE = f"; if it has another frame rate, set that: {SET_RATE}"
 COMMON_RATES = (24.0, 25.0, 30000 / 1001, 30.0, 48.0, 50.0, 60000 / 1001, 60.0, 90.0, 120.0)
 RATES = (10, 12, 15, 20, 24, 25, 30, 48, 50, 60, 90, 100, 120, 240)

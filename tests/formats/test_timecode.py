@@ -78,7 +78,7 @@ def test_thirty_fps_on_a_sixty_fps_timecode_is_seen_and_said() -> None:
     assert note == (
         "30 fps: the timecode counts 60 frames a second, 2 from row to row, as from a camera "
         "slower than its timecode; if it has another frame rate, set that: Take > Frame rate, "
-        "or --fps"
+        "or the option fps"
     )
     assert sure_notes(timing.notes) == ()
     assert timing.times[-1] == pytest.approx(299 * 1.9997 / 60, abs=1e-4)
