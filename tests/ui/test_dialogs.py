@@ -78,6 +78,20 @@ def test_an_exported_file_is_explained_in_a_block_for_each_program(parent: QWidg
     box.close()
 
 
+def test_saving_has_dots_only_if_it_asks_for_a_name(parent: QWidget) -> None:
+    labels: list[str] = []
+
+    def read(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        labels.append(dialog.buttons()[0].text())
+        dialog.reject()
+
+    for asks in (True, False):
+        when_asked(read)
+        dialogs.ask_unsaved(parent, "take.csv", "", asks)
+    assert labels == ["&Save project…", "&Save project"]
+
+
 def test_escape_is_cancel(parent: QWidget) -> None:
     when_asked(lambda dialog: dialog.reject())
     assert dialogs.ask_unsaved(parent, "take.csv") is dialogs.Unsaved.CANCEL

@@ -258,7 +258,7 @@ def test_closing_says_that_the_previewed_fix_is_not_among_the_edits(
 ) -> None:
     asked: list[str] = []
 
-    def ask(_parent: object, _message: str, more: str) -> dialogs.Unsaved:
+    def ask(_parent: object, _message: str, more: str, _asks: bool) -> dialogs.Unsaved:
         asked.append(more)
         return dialogs.Unsaved.CANCEL
 

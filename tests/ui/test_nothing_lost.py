@@ -15,6 +15,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import pending_journals
+from faceedit_app.editing.files.project import read_project
 from faceedit_app.editing.history import RATE
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
@@ -221,6 +222,41 @@ def test_a_project_that_another_window_saved_is_not_replaced_silently(
     assert first.isWindowModified() is (answer is Changed.CANCEL)
     trigger(first, "save")
     assert len(asked) == (2 if answer is Changed.CANCEL else 1)
+
+
+def test_a_project_replaced_from_another_window_is_kept_and_its_own_window_asks(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[str, bool]] = []
+
+    def ask(_parent: object, message: str, _more: str, asks: bool) -> dialogs.Unsaved:
+        asked.append((message, asks))
+        return dialogs.Unsaved.CANCEL if len(asked) < 3 else dialogs.Unsaved.SAVE
+
+    monkeypatch.setattr(dialogs, "ask_unsaved", ask)
+    first, second = bench.editing(), bench.editing()
+    path = bench.answers["save_project"] = bench.folder / "scene.faceedit"
+    add_edit(second, 3.0)
+    trigger(second, "save")
+    of_second = path.read_bytes()
+    add_edit(first)
+    bench.answers["save_project"] = path
+    trigger(first, "save")
+    assert "the file that was there is now scene.faceedit.bak" in first.status.currentMessage()
+    assert path.with_name("scene.faceedit.bak").read_bytes() == of_second
+    trigger(first, "save")
+    assert len([*bench.folder.glob("*.bak*")]) == 1, "its own needs no copy"
+    assert not second.close()
+    assert asked[0][0].startswith("scene.faceedit does not hold your work on take.csv any more")
+    path.write_bytes(of_second.replace(b'"playhead": 0', b'"playhead": 1'))
+    assert second.document.was_changed(path)
+    assert not second.document.loses_by_closing, "only the view is another"
+    path.unlink()
+    add_edit(second, 1.0)
+    assert not second.close()
+    assert second.close()
+    assert [asks for _, asks in asked] == [True, False, False]
+    assert len(read_project(path).state.edits) == 2, "saved again where it was"
 
 
 def test_a_second_window_on_the_take_says_so(bench: Bench) -> None:

@@ -225,7 +225,7 @@ def test_an_export_is_not_a_saved_project(bench: Bench) -> None:
     answers = [Unsaved.EXPORT, Unsaved.CANCEL]
     asked: list[str] = []
 
-    def ask(_parent: object, _message: str, more: str) -> Unsaved:
+    def ask(_parent: object, _message: str, more: str, _asks: bool) -> Unsaved:
         asked.append(more)
         bench.answers["export"] = bench.folder / "again.csv"
         return answers[len(asked) - 1]

@@ -6,8 +6,8 @@ The format is described in docs/project_format.md.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.fields import FieldError, Fields, is_document, read_document, to_text
 from faceedit_app.editing.edits.edit import edits_from, to_json
-from faceedit_app.editing.edits.media import MediaFile
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -95,11 +95,16 @@ def is_project(path: Path) -> bool:
     return is_document(path, "version", "take", "settings", "edits")
 
 
-def write_project(path: Path | str, project: Project) -> Path | None:
+def write_project(
+    path: Path | str, project: Project, is_ours: Callable[[Path], bool] = is_project
+) -> Path | None:
     """Save a project.
 
+    Args:
+        is_ours: whether a file that is there may be replaced without a copy; else one is kept.
+
     Returns:
-        The copy that was kept of a file that was no project; None if there was none.
+        The copy that was kept; None if there was none.
 
     Raises:
         FileError: it cannot be written; an existing file is then untouched.
@@ -140,7 +145,7 @@ def write_project(path: Path | str, project: Project) -> Path | None:
     edits = ",".join(f"\n    {to_text(to_json(e))}" for e in project.state.edits)
     begin, end = (to_text(part, indent=2) for part in (head, tail))
     text = f'{begin[:-2]},\n  "edits": [{edits}\n  ],{end[1:]}\n'
-    return write_keeping(path, text.encode(), is_project)
+    return write_keeping(path, text.encode(), is_ours)
 
 
 def read_project(path: Path | str) -> Project:
@@ -155,6 +160,25 @@ def read_project(path: Path | str) -> Project:
         return _from_document(fields, path)
     except FieldError as error:
         raise FileError(path, f"is damaged: {error}", "correct it or use an older copy") from error
+
+
+def holds(path: Path | str, wanted: Project) -> bool:
+    """Whether a project file holds the same work as `wanted`, whatever its view.
+
+    Args:
+        wanted: sound and film are those of its state; None there means that any will do.
+    """
+    try:
+        there = read_project(path)
+    except FileError:
+        return False
+    ours, media = wanted.state, Placement(there.audio, there.film)
+    return (
+        there.fingerprint == wanted.fingerprint
+        and there.fps == wanted.fps
+        and there.state == replace(ours, media=None)
+        and ours.media in (None, media)
+    )
 
 
 def _from_document(fields: Fields, path: Path) -> Project:

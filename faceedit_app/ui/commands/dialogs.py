@@ -310,11 +310,11 @@ def ask_preset_name(parent: QWidget) -> str | None:
     return name.strip() if ok and name.strip() else None
 
 
-def ask_unsaved(parent: QWidget, message: str, more: str = "") -> Unsaved:
-    """What to do with changes before their take is closed; see `unsaved.question_about`."""
+def ask_unsaved(parent: QWidget, message: str, more: str = "", asks: bool = True) -> Unsaved:
+    """What to do with changes before their take is closed, which saving `asks` about as well."""
     box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
-    save = box.addButton("&Save project…", role.AcceptRole)
+    save = box.addButton("&Save project" + "…" * asks, role.AcceptRole)
     choices = {
         save: Unsaved.SAVE,
         box.addButton("&Export…", role.AcceptRole): Unsaved.EXPORT,
@@ -338,7 +338,7 @@ def ask_unsaved_map(parent: QWidget, name: str) -> Unsaved:
 def ask_changed(parent: QWidget, name: str) -> Changed:
     """What to do if another program, or window, has changed a file since it was read."""
     message = f"{name} has been changed by another program, or in another window."
-    box = _question(parent, message, "If you replace it, those changes are lost.")
+    box = _question(parent, message, f"If you replace it, a copy of it is kept as {name}.bak.")
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("&Save under another name…", role.AcceptRole): Changed.ELSEWHERE,

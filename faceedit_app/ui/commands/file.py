@@ -301,8 +301,10 @@ class FileCommands:
         from faceedit_app.ui.commands.unsaved import question_about
 
         left_out = bool(self._workspace.end_before_writing())
-        while not document.is_clean:
-            match dialogs.ask_unsaved(self._window, *question_about(document, left_out)):
+        while document.loses_by_closing:
+            project, question = document.project, question_about(document, left_out)
+            asks = project is None or document.was_changed(project)
+            match dialogs.ask_unsaved(self._window, *question, asks):
                 case dialogs.Unsaved.EXPORT:
                     if not self.export():
                         return False

@@ -31,7 +31,7 @@ def save(workspace: Workspace, path: Path) -> Path | None:
     """Save take, edits, view, sound and film as one project.
 
     Returns:
-        The copy that was kept of a file that was no project; None if there was none.
+        The copy that was kept of a file that is not this window's project; None if there was none.
 
     Raises:
         FileError: it cannot be written; an existing file is then untouched.

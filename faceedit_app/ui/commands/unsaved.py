@@ -13,7 +13,7 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
     """What to ask before the open take is closed.
 
     Args:
-        document: with a take that has changes which are not saved.
+        document: with a take that has changes which are not saved, or no longer.
         left_out: whether a proposal was open, which is not among them.
 
     Returns:
@@ -22,16 +22,22 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
     session, project, exported = document.session, document.project, document.exported
     assert session is not None
     name, parts = session.take.path.name, session.unsaved
+    more = "If you discard them, they are lost."
     if project is not None:
         message = f"Your latest changes to {name} are not saved in {project.name}."
+        if not document.is_in_project:
+            message = (
+                f"{project.name} does not hold your work on {name} any more: another window, or "
+                "another program, has changed it or taken it away."
+            )
+            parts, more = parts or (EDITS,), "If you discard it, it is lost."
         save = "save the project"
     else:
         words = listed(word for part in parts for word in part.split(" and "))
         what = _ONE[parts[0]] if len(parts) == 1 else f"{words} of"
         message = f"Your {what} {name} are not saved in a project."
         save = "save them in a project"
-    more = "If you discard them, they are lost."
-    if parts == (RATE,):
+    if parts == (RATE,) and document.is_in_project:
         message = f"The frame rate that you gave {name} is not saved in a project."
         more = "If you discard it, the take opens as before."
     if EDITS in parts and exported is not None:

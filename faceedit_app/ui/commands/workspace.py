@@ -237,7 +237,7 @@ class Workspace(QObject):
     def has_changes(self) -> bool:
         """Whether closing the take would lose changes, or a proposal that is open."""
         proposes = self.page is not None and self.page.proposal.is_open
-        return self.document.path is not None and (proposes or not self.document.is_clean)
+        return self.document.path is not None and (proposes or self.document.loses_by_closing)
 
     def end_before_writing(self) -> str:
         """End gestures before a file is written or closed, and say so if one was a proposal.

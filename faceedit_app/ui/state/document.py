@@ -76,8 +76,33 @@ class Document(QObject):
 
     @property
     def is_clean(self) -> bool:
-        """Whether nothing would be lost by closing."""
+        """Whether all changes have been saved."""
         return self.session is None or self.session.is_saved
+
+    @property
+    def loses_by_closing(self) -> bool:
+        """Whether closing would lose something: what is not saved, or no longer in the project."""
+        return not self.is_clean or not self.is_in_project
+
+    @property
+    def is_in_project(self) -> bool:
+        """Whether the project's file, if there is one, still holds what was saved in it.
+
+        Looks into the file. One in which another window has saved the same, or only another view,
+        holds it as well.
+        """
+        from faceedit_app.core import on_disk
+        from faceedit_app.editing.files.project import Project, holds
+
+        session, file = self.session, self.project_file
+        if session is None or file is None:
+            return True
+        if on_disk.is_file(file.path) and not file.was_changed:
+            return True
+        take = session.take
+        return holds(
+            file.path, Project(take.path, session.fingerprint, session.state, fps=take.fps)
+        )
 
     def adopt(self, session: EditSession, project: KnownFile | None = None) -> None:
         """Open a take that has been read, with its project, if any."""
@@ -266,7 +291,8 @@ class Document(QObject):
         """Write take, edits, view, sound and film as one project.
 
         Returns:
-            The copy that was kept of a file that was no project; None if there was none.
+            The copy that was kept of a file that is there, unless it is the project that this
+            window has open, as it was read or saved last; None if there was none.
 
         Raises:
             FileError: it cannot be written; an existing file is then untouched.
@@ -282,11 +308,16 @@ class Document(QObject):
         mark = session.fingerprint
         parts = (view, media.sound, media.film, session.take.fps, self._character_file())
         project = Project(take, mark, session.state, *parts, session.exported_over)
-        backup = write_project(path, project)
+        backup = write_project(path, project, self._is_own)
         self.project_file = known(path)
         session.mark_saved()
         self._is_saved()
         return backup
+
+    def _is_own(self, path: Path) -> bool:
+        """Whether a file is the open project, and nobody else has changed it."""
+        file = self.project_file
+        return file is not None and is_same_file(path, file.path) and not file.was_changed
 
     @property
     def _character_path(self) -> Path | None:
