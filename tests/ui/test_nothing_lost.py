@@ -6,6 +6,7 @@ import threading
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.faces import random_engine
@@ -151,7 +152,7 @@ def test_a_project_whose_recording_was_overwritten_opens_without_anything_to_sav
 
 
 def test_a_take_that_was_renamed_after_a_crash_is_found_by_its_content(
-    bench: Bench, crash: Crash
+    bench: Bench, crash: Crash, qtlog: Any
 ) -> None:
     window = bench.editing()
     add_edit(window)
@@ -160,6 +161,8 @@ def test_a_take_that_was_renamed_after_a_crash_is_found_by_its_content(
     window = crash.start_again()
     assert window.document.path == renamed
     assert len(session_of(window).edits) == 1
+    assert window.isWindowModified()
+    assert not [line for line in qtlog.records if "setWindowModified" in line.message]
 
 
 def test_the_user_can_show_where_a_take_is_after_a_crash(

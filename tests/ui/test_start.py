@@ -106,7 +106,7 @@ def test_without_a_take_the_window_says_what_to_do(bench: Bench) -> None:
     assert not window.actions_["export"].isEnabled()
     assert not window.actions_["play"].isEnabled()
     assert window.actions_["open"].isEnabled()
-    assert window.windowTitle() == "FaceEdit"
+    assert window.windowTitle() == "FaceEdit[*]"
 
 
 def test_missing_networks_are_reported_without_being_in_the_way(bench: Bench) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -135,7 +136,7 @@ def test_strength_and_range_are_typed_in_the_list(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("across", [20, 100], ids=["strength", "range"])
-def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int) -> None:
+def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int, qtlog: Any) -> None:
     window = bench.editing()
     add_edit(window)
     session = session_of(window)
@@ -148,7 +149,9 @@ def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int) -> N
     assert reason(field).startswith("Type ")
     window.setFocus()
     run_events()
+    window.actions_["rename_edit"].trigger()
     assert field.isVisible()
+    assert not [line for line in qtlog.records if "editing failed" in line.message]
     field.setFocus()
     QTest.keyClick(field, Qt.Key.Key_Escape)
     run_events()

@@ -364,8 +364,8 @@ class EditsPanel(QWidget):
 
     def rename(self) -> None:
         """Let the user type another name."""
-        if self.current is not None:
-            self.list.setFocus()
+        self.list.setFocus()  # a field that is open takes what was typed, and closes
+        if self.current is not None and not self.list.is_typed:
             self._delegate.edits = RowField.NAME
             self.list.edit(self.list.currentIndex())
 

@@ -22,6 +22,11 @@ class EditRows(QListView):
         self.setEditTriggers(QAbstractItemView.EditTrigger.DoubleClicked)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
+    @property
+    def is_typed(self) -> bool:
+        """Whether a field is open; one with what cannot be taken stays so without the focus."""
+        return self.state() is QAbstractItemView.State.EditingState
+
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Qt makes the first row the current one, which would choose an edit and move the view."""
         has_current = self.currentIndex().isValid()

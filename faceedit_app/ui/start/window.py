@@ -74,7 +74,7 @@ class MainWindow(WindowBase):
         self._refresh_actions()
 
     def _lay_out(self) -> None:
-        self.setWindowTitle("FaceEdit")
+        self.setWindowTitle("FaceEdit[*]")  # a take may be recovered before its title is shown
         self.setWindowIcon(app_icon())
         self._pages = QStackedWidget()
         self._pages.addWidget(self.start_page)
