@@ -294,10 +294,19 @@ class EditHistory(ABC):
         """Go to another state, such as one from a file, as one step."""
         self._change(state, name)
 
-    def recover(self, state: EditState) -> None:
-        """Go to the state of a session that crashed; a frame rate that was given is not saved."""
+    def recover(self, state: EditState, rate: float | None) -> None:
+        """Go to the state of a session that crashed, as one step; its frame rate is not saved.
+
+        Args:
+            rate: to which Undo goes back, as `Take.fps`.
+        """
         self._saved_rate = None
-        self.restore(state)
+        if rate == self._rate:
+            self.restore(state)
+            return
+        self._steps.rate = rate
+        self._steps.change_rate("Recovery", self._rate, state)
+        self._arrive()
 
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""

@@ -118,6 +118,7 @@ class Take:
         kind: `registry.Format.name` of its format.
         lost_rows: the rows that a fill can give weights to; None if the file has none.
         lead: seconds that the file has before its first face, which is at 0 s of the clip.
+        own_rate: frames per second by the file's own times; None if it has none to go by.
     """
 
     path: Path
@@ -130,6 +131,15 @@ class Take:
     kind: str = ""
     lost_rows: LostRows | None = None
     lead: float = 0.0
+    own_rate: float | None = None
+
+    @property
+    def other_rate(self) -> float | None:
+        """The rate that the file's own times say, if the user gave another; None if not."""
+        own, fps = self.own_rate, self.fps
+        if own is None or fps is None or format_rate(own) == format_rate(fps):
+            return None
+        return own
 
 
 @dataclass(frozen=True)
@@ -223,8 +233,18 @@ def finish_take(
         *_unsure_notes(recording.confidence),
     )
     lead = float(np.argmin(recording.lost)) / timing.rate if len(recording.lost) else 0.0
-    carried = recording.carried
-    return Take(path, recording.format, clip, carried, notes, source(scale), fps, lead=lead)
+    found = recording.timing
+    return Take(
+        path=path,
+        format=recording.format,
+        clip=clip,
+        carried=recording.carried,
+        notes=notes,
+        source=source(scale),
+        fps=fps,
+        lead=lead,
+        own_rate=None if isinstance(found, NoTimes) else found.rate,
+    )
 
 
 def _rate_notes(timing: Timing) -> tuple[str, ...]:

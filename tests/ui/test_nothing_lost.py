@@ -17,7 +17,7 @@ from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import read_project
-from faceedit_app.editing.history import RATE
+from faceedit_app.editing.history import EDITS, RATE
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
@@ -341,16 +341,28 @@ def test_a_preview_of_an_open_dialog_is_not_exported(bench: Bench) -> None:
     assert not session_of(window).is_previewing
 
 
-def test_a_frame_rate_alone_survives_a_crash(
-    bench: Bench, crash: Crash, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("edits", [0, 1])
+def test_a_frame_rate_survives_a_crash_and_a_single_undo_takes_all_back(
+    edits: int, bench: Bench, crash: Crash, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     window = bench.editing()
+    if edits:
+        add_edit(window)
     monkeypatch.setattr(dialogs, "ask_rate", lambda *_: 50.0)
     trigger(window, "frame_rate")
     crash.kill(window)
     window = crash.start_again()
     assert session_of(window).take.clip.rate == 50
-    assert session_of(window).unsaved == (RATE,), "and another one"
+    session = session_of(window)
+    assert session.unsaved == (EDITS, RATE)[1 - edits :]
+    trigger(window, "undo")
+    assert session_of(window).take.clip.rate == 60
+    assert session_of(window).is_saved
+    assert not session_of(window).can_undo
+    assert "Undo" not in window.status.currentMessage()
+    trigger(window, "redo")
+    assert session_of(window).take.clip.rate == 50
+    assert session_of(window).state == session.state
 
 
 @pytest.mark.parametrize("way", ["a crash", "another frame rate"])

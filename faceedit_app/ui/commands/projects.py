@@ -210,7 +210,9 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: st
     """Open a take with the edits of a session that crashed; `note` is as for `_open_take`."""
 
     def prepare(session: EditSession) -> None:
-        session.recover(pending.state)
+        # A file that tells its rate has that again after Undo; another is never without one.
+        opened = session.take
+        session.recover(pending.state, opened.fps if opened.own_rate is None else None)
         if take == pending.take:
             session.exported_over = pending.exported_over
 
