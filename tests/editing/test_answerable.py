@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,8 @@ def test_what_is_missing_is_named(take_with: Callable[..., Take], engine: Engine
     assert str(first) == "“Left eye opening” cannot be changed: the take has no eyeBlinkLeft"
     assert second.channels == ("eyeBlinkRight",)
     assert unanswerable(OPEN, take, shipped_rig(), engine) == ()
+    for op in (Op.FILL, Op.RESET):  # of whatever channels the take has
+        assert unanswerable(replace(CLOSE_EYES, op=op), take, shipped_rig(), engine) == ()
 
 
 @pytest.mark.parametrize(

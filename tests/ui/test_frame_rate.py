@@ -21,7 +21,7 @@ from support.windows import (
 )
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
-from faceedit_app.core.controls import CONTROL_INDEX
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files.project import read_project
 from faceedit_app.editing.history import RATE
@@ -274,6 +274,8 @@ def test_a_curve_that_the_take_cannot_answer_takes_no_mouse_and_says_why(
     assert why in page.curves.headers[eye].toolTip()
     assert page.curves.plots[mouth].isEnabled()
     window.banner.dismiss()  # what it says of the face model, which tests do without
+    session_of(window).add(Edit(CONTROL_IDS, Op.RESET, 0.5, 0.8, 0.1, 0.0))
+    assert not window.banner.isVisible(), "it asks for no curve in particular"
     session_of(window).add(Edit(("left_eyelid", "mouth_opening"), Op.OFFSET, 0.5, 0.8, 0.1, 3.0))
     assert why in window.banner.text.text()
     session_of(window).undo()

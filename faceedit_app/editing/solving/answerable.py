@@ -13,7 +13,7 @@ their covariance, and channel k contributes J_k (S J')_k / (J S J') of it.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -24,13 +24,14 @@ from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING, control_named
 from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS, Region
 from faceedit_app.core.rig import Distances, Rig
-from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.formats.take import Take
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
 
 ENOUGH = 0.45  # share of a curve's movement that the take's channels must cover
+BY_REGION = (*OF_THE_TAKE, Op.RESET)  # their curves stand for regions, and ask for no value
 _MAIN = 0.1  # missing channels with a smaller share are not named
 _PRIOR = 0.04  # variance of each weight if no engine is loaded
 
@@ -102,13 +103,21 @@ def find_lacks(
 def unanswerable(
     edit: Edit, take: Take, rig: Rig, engine: Engine | None = None
 ) -> tuple[Lack, ...]:
-    """The curves of an edit that the take's channels cannot answer; they stay unchanged.
+    """The curves of an edit that the take's channels cannot answer; they stay unchanged."""
+    return lacks_of(edit, find_lacks(take.clip.channels, rig.arkit_distances, engine))
 
-    A fill or a retime takes whatever channels the take has.
+
+def lacks_of(edit: Edit, lacks: Mapping[str, Lack]) -> tuple[Lack, ...]:
+    """What an edit asks for in vain.
+
+    A fill, a retime or a reset acts on whatever channels the take has, and misses none.
+
+    Args:
+        edit: the edit.
+        lacks: the curves that the take cannot answer, by control id.
     """
-    if edit.op in OF_THE_TAKE:
+    if edit.op in BY_REGION:
         return ()
-    lacks = find_lacks(take.clip.channels, rig.arkit_distances, engine)
     return tuple(lacks[control] for control in edit.controls if control in lacks)
 
 

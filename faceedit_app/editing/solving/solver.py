@@ -25,10 +25,10 @@ from faceedit_app.core.regions import OPTIONAL_REGIONS, REGIONS
 from faceedit_app.core.resample import grid_length, to_grid
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.dividing import divided
-from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
-from faceedit_app.editing.solving.answerable import find_lacks, without
+from faceedit_app.editing.solving.answerable import BY_REGION, find_lacks, without
 from faceedit_app.editing.solving.channel_edits import AnyTask, ChannelEdits, ChannelTask
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
@@ -208,8 +208,7 @@ class Solver:
         """The edits without controls that the character lacks or the take cannot answer."""
         if not self._mute:
             return edits
-        whole = *OF_THE_TAKE, Op.RESET  # they count by region
-        parts = (edit if edit.op in whole else without(edit, self._mute) for edit in edits)
+        parts = (edit if edit.op in BY_REGION else without(edit, self._mute) for edit in edits)
         return [part for part in parts if part is not None]
 
     def find_some(self, lost: LostRows, edits: Sequence[Edit], until: float) -> bool:

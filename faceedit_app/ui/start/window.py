@@ -321,13 +321,13 @@ class MainWindow(WindowBase):
         session = self.document.session
         if session is None:
             return set()
-        edited = {control for edit in session.edits for control in edit.controls}
-        lines = {str(lack) for control, lack in session.lacks.items() if control in edited}
-        if any(edit.channels for edit in session.edits):
-            from faceedit_app.editing.solving.channel_edits import missing_channels
+        from faceedit_app.editing.solving.answerable import lacks_of
+        from faceedit_app.editing.solving.channel_edits import missing_channels
 
-            if missing := missing_channels(session.edits, session.take.clip):
-                lines.add(f"Some edits are left out: {missing}")
+        edits, lacks = session.edits, session.lacks
+        lines = {str(lack) for edit in edits for lack in lacks_of(edit, lacks)}
+        if missing := missing_channels(edits, session.take.clip):
+            lines.add(f"Some edits are left out: {missing}")
         return lines
 
     def _mark_modified(self) -> None:
