@@ -75,6 +75,12 @@ def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
             assert_readable([*numbers, *below], axis.rect())
 
 
+def test_no_time_stands_before_the_take(qtbot: QtBot) -> None:
+    panel = open_panel(qtbot, tiny_session(1))
+    assert panel.timeline.view[0] < 0
+    assert drawn(panel.ruler.times)[0][1].strip("0. s") == ""
+
+
 def test_frames_are_counted_in_round_numbers(panel: CurvesPanel) -> None:
     panel.timeline.display.choose(Unit.FRAMES)
     for last in (4.0, 60.0, 720.0):

@@ -191,10 +191,10 @@ class TimeAxis(_InsideAxis):
         return [(step, 0.0), (fine, 0.0)]
 
     def tickValues(self, first: float, last: float, size: float) -> TickLevels:
-        """Round times, or the times of frames with round numbers."""
+        """Round times, or the times of frames with round numbers; none before the take."""
         if self._display.unit is not Unit.FRAMES or self.clip is None:
             levels: TickLevels = super().tickValues(first, last, size)
-            return levels
+            return [(step, [at for at in times if at > -0.5 * step]) for step, times in levels]
         view, closest = (first, last), _TICK_CLOSEST
         numbered, marked = frame_ticks(self.clip.times, view, size, style.TIME_SPACING, closest)
         return [(1.0, self._at(numbered)), (0.5, self._at(marked))]

@@ -20,6 +20,7 @@ from faceedit_app.ui.curves.tools import DrawDrag
 from faceedit_app.ui.state.timeline import Timeline
 
 _ROOM = 0.06  # of the values, above and below
+_DOT = 5.0  # pixels across the dot of a take of a single frame, which has no line
 _LEAST_TURN = 5.0  # degrees either way: less would look like movement
 
 
@@ -57,6 +58,9 @@ class ChannelPlot(pg.PlotItem, Mouse):
         self._name = pg.LabelItem(justify="left", color=style.LABEL)
         self._name.setParentItem(self.view)
         self.view.addItem(self._selection, ignoreBounds=True)
+        self._edited.setSymbolSize(_DOT)
+        self._edited.setSymbolPen(None)
+        self._edited.setSymbolBrush(style.color(style.FOCUS))
         for line in (self._tracked, self._edited):
             line.setClipToView(True)
             line.setDownsampling(auto=True, method="peak")
@@ -83,7 +87,7 @@ class ChannelPlot(pg.PlotItem, Mouse):
             self._tracked.setPen(style.in_dots(style.tracked_pen(), ratio))
             self._edited.setPen(style.in_dots(style.face_pen(style.FOCUS), ratio))
         self._tracked.setData(times, tracked)
-        self._edited.setData(times, edited)
+        self._edited.setData(times, edited, symbol="o" if len(times) == 1 else None)
         if self._drawn is None:
             self._fit(
                 float(min(tracked.min(), edited.min())), float(max(tracked.max(), edited.max()))

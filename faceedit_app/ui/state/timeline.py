@@ -169,9 +169,14 @@ class Timeline(QObject):
             self.show_range(middle - width / 2, middle + width / 2)
 
     def show_range(self, first: float, last: float) -> None:
-        """Make a range of seconds visible, kept within the take."""
+        """Make a range of seconds visible, kept within the take.
+
+        The frames of a take that cannot fill the view are in its middle, away from the edges.
+        """
         width = min(max(last - first, SHORTEST_VIEW), max(self.duration, SHORTEST_VIEW))
         first = min(max(first, 0.0), max(self.duration - width, 0.0))
+        if self._clip is not None and (self.frames == 1 or self.duration < SHORTEST_VIEW):
+            first = (float(self._clip.times[-1]) - width) / 2
         if (first, first + width) != self.view:
             self.view = (first, first + width)
             self.view_changed.emit()
