@@ -270,12 +270,27 @@ def export_take(
         is_ours = begins_with(encoded.content[:_MARK])
     backup = make_way(path, take.path, options.overwrite, is_ours)
     write_atomically(path, encoded.content)
-    remarks: tuple[str, ...] = ()
-    if encoded.lost:
-        remarks = (f"left out because they are not channels: {', '.join(encoded.lost)}",)
+    remarks = _left_out(encoded.lost, form)
     if encoded.note:
         remarks += (encoded.note,)
     return Exported(path, form, encoded.clip, remarks, backup, encoded.is_straight)
+
+
+def _left_out(lost: tuple[str, ...], form: OutFormat) -> tuple[str, ...]:
+    """Sentences about the columns of a take that a file does not have."""
+    turns = tuple(name for name in lost if rotation_named(name) is not None)
+    others = tuple(name for name in lost if name not in turns)
+    sentences: list[str] = []
+    if turns and form.has_character:  # the head's are not lost
+        why = "the eyes look where their weights say; their rotations are left out"
+        sentences.append(f"{why}: {', '.join(turns)}")
+    elif turns:
+        keeps = isinstance(form.kind, registry.Format) and form.kind.keeps_rotations
+        why = "" if keeps else f", as {form.name} has no place for them"
+        sentences.append(f"rotations of head and eyes are left out{why}: {', '.join(turns)}")
+    if others:
+        sentences.append(f"left out because they are not channels: {', '.join(others)}")
+    return tuple(sentences)
 
 
 def _as_take(take: Take, edited: Clip, path: Path, form: OutFormat, options: Options) -> _Encoded:

@@ -196,7 +196,11 @@ def test_the_rotations_of_head_and_eyes_survive_another_rate(
     np.testing.assert_allclose(found[1:-1], turns[2:-2:2], atol=1e-5)
     assert main(["convert", str(take), str(tmp_path / "out.glb")]) == 0
     said = capfd.readouterr().out
-    assert "left out because they are not channels: LeftEyeYaw" in said
+    assert "the eyes look where their weights say; their rotations are left out: LeftEye" in said
+    assert "not channels" not in said
+    assert main(["convert", str(take), str(tmp_path / "out.json")]) == 0
+    said = capfd.readouterr().out
+    assert "are left out, as Audio2Face JSON has no place for them: HeadYaw" in said
     assert "the head is straight; --follow-head turns it as recorded" in said
     assert main(["convert", str(take), str(tmp_path / "out.glb"), "--follow-head"]) == 0
     assert "the head is straight" not in capfd.readouterr().out
