@@ -6,7 +6,8 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 from PySide6.QtGui import QColor, QIcon, QPixmap
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMenu
+from support.theme import themed
 
 from faceedit_app.ui.commands.menus import MENUS
 from faceedit_app.ui.look import icons
@@ -38,7 +39,8 @@ def test_files_are_drawings_in_the_colour_asked_for(qapp: QApplication, name: st
         for key, value in element.attrib.items()
         if key in ("fill", "stroke") and value != "none"
     }
-    if name in (icons.APP_ICON, "list_arrow"):  # the style sheet cannot ask for a colour
+    # The style sheet cannot ask for a colour.
+    if name in (icons.APP_ICON, "list_arrow", "menu_tick"):
         assert "currentColor" not in colors
         return
     assert colors == {"currentColor"}
@@ -55,3 +57,16 @@ def test_no_screen_shows_a_scaled_icon(qapp: QApplication, monkeypatch: pytest.M
         widths = {size.width() for size in icon.availableSizes(mode)}
         assert widths == {16, 20, 32}
     assert icons.picture("play", "#ffffff", 16, 1.25).devicePixelRatio() == 1.25
+
+
+def test_menus_show_what_is_on_with_and_without_an_icon(qapp: QApplication) -> None:
+    themed()
+    for name in ("tool_move", ""):
+        menu, pictures = QMenu(), []
+        action = menu.addAction(icons.icon(name) if name else QIcon(), "Move")
+        action.setCheckable(True)
+        for is_on in (False, True):
+            action.setChecked(is_on)
+            menu.adjustSize()
+            pictures.append(menu.grab(menu.actionGeometry(action)).toImage())
+        assert pictures[0] != pictures[1], name or "without an icon"

@@ -26,6 +26,7 @@ GAP = 8  # pixels between groups of controls; half of it inside a group
 MARGIN = 10  # pixels from a bar's edge to its content
 
 _TICK = icon_file("tick").as_posix()  # black, on the accent
+_MENU_TICK = icon_file("menu_tick").as_posix()  # Qt's own is ragged on fine screens
 _ARROW = icon_file("list_arrow").as_posix()  # of lists that are not our own, as in file dialogs
 
 _STYLE = f"""
@@ -41,6 +42,12 @@ QMenu::item:selected {{ background: {ACCENT_DEEP}; }}
 QMenu::item:disabled {{ color: {DISABLED}; }}
 QMenu::separator {{ height: 1px; background: {BORDER}; margin: 4px 6px; }}
 QMenu::icon {{ padding-left: 6px; }}
+QMenu::icon:checked {{
+    background: {ACCENT_DEEP}; border: 1px solid {ACCENT}; border-radius: 4px;
+}}
+QMenu::icon:checked:disabled {{ background: transparent; border-color: {FAINT}; }}
+QMenu::indicator {{ width: 16px; height: 16px; padding-left: 4px; }}
+QMenu::indicator:checked {{ image: url("{_MENU_TICK}"); }}
 QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {BORDER}; padding: 4px 6px; }}
 
 QWidget#bar {{ background: {PANEL}; }}
