@@ -73,6 +73,14 @@ def test_a_scan_becomes_the_character_that_is_shown(
     QTest.mouseMove(dialog.points, stop)
     QTest.mouseRelease(dialog.points, Qt.MouseButton.LeftButton, pos=stop)
     assert dialog.again.isEnabled()
+    assert not dialog.save.isEnabled(), "the point would be lost"
+    dialog.parts["brows"].click()
+    assert not dialog.again.isEnabled()
+    bench.qtbot.waitUntil(dialog.again.isEnabled, timeout=60_000)
+    assert not dialog.save.isEnabled()
+    assert "Press Fit again" in dialog.status.text()
+    dialog.parts["brows"].click()
+    bench.qtbot.waitUntil(dialog.again.isEnabled, timeout=60_000)
     QTest.mouseClick(dialog.again, Qt.MouseButton.LeftButton)
     assert not dialog.save.isEnabled()
     bench.qtbot.waitUntil(dialog.save.isEnabled, timeout=60_000)
@@ -80,10 +88,14 @@ def test_a_scan_becomes_the_character_that_is_shown(
     assert stop.y() - 12 < moved < start.y() - 3, "it follows the hand as far as a face allows"
 
     says = dialog.status.text()
-    dialog.parts["hair"].click()
+    hair = dialog.parts["hair"]
+    hair.setFocus()
+    QTest.keyClick(hair, Qt.Key.Key_Space)
     assert not dialog.save.isEnabled()
+    assert dialog.focusWidget() is dialog, "a second Space must not press Close"
     bench.qtbot.waitUntil(dialog.save.isEnabled, timeout=60_000)
     assert dialog.status.text() == says
+    assert dialog.focusWidget() is hair
 
     path = tmp_path / "made.glb"
     monkeypatch.setattr(dialogs, "ask_save_character", lambda *_: path)

@@ -56,6 +56,8 @@ class ScanDialog(QDialog):
         self._pictures: _Pictures = {}
         self._says = ""
         self._moved: dict[str, Doubles] = {}
+        self._is_fitted = True  # to the points as they are shown
+        self._held: QWidget | None = None  # had the keyboard before it was disabled
         self._build()
 
     def _build(self) -> None:
@@ -138,6 +140,7 @@ class ScanDialog(QDialog):
 
     def _made(self, result: tuple[ScanSteps, Attempt, _Drawn]) -> None:
         self._steps, self._whole, (self._attempt, self._pictures) = result
+        self._is_fitted = True
         attempt = self._attempt
         self.scan.look(attempt.scan.neutral, attempt.camera)
         self.scan.show_picture(self._pictures[None])
@@ -161,7 +164,11 @@ class ScanDialog(QDialog):
     def _work(self, text: str) -> None:
         self.status.setText(text)
         self.busy.show()
-        for part in (self.again, self.save, self.points, *self.parts.values()):
+        waiting = (self.again, self.save, self.points, *self.parts.values())
+        self._held = next((part for part in waiting if part.hasFocus()), None)
+        if self._held is not None:
+            self.setFocus()  # Qt would choose Close, where Space loses all that was made
+        for part in waiting:
             part.setEnabled(False)
 
     def _rest(self, text: str) -> None:
@@ -170,7 +177,9 @@ class ScanDialog(QDialog):
         for part in (self.points, *self.parts.values()):
             part.setEnabled(True)
         self.again.setEnabled(bool(self._moved) or self._attempt is None)
-        self.save.setEnabled(self._attempt is not None)
+        self.save.setEnabled(self._attempt is not None and self._is_fitted)
+        if self._held is not None and self.hasFocus():
+            (self._held if self._held.isEnabled() else self.expression).setFocus()
 
     def _show_expression(self, name: str) -> None:
         if name in self._pictures:
@@ -180,8 +189,11 @@ class ScanDialog(QDialog):
         """A point was dragged to another vertex of the scan."""
         if self._steps is not None:
             self._moved[name] = self._steps.scan.vertices[vertex]
-            self.again.setEnabled(True)
-            self.status.setText("Press Fit again when all points are right.")
+            self._is_fitted = False  # saving now would leave the point where it was
+            self._says = (
+                "Press Fit again when all points are right; then the character can be saved."
+            )
+            self._rest(self._says)
 
     def done(self, result: int) -> None:
         """Forget what is still running."""
