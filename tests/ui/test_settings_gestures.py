@@ -188,6 +188,26 @@ def test_ticks_that_lead_back_are_no_step_and_cost_no_redo(window: MainWindow) -
     assert step_names(session) == ("Mouth opening +6.0 mm", "Natural to exact")
 
 
+@pytest.mark.parametrize("which", ["natural", "strength"])
+def test_a_double_click_on_a_slider_goes_back_to_its_start(window: MainWindow, which: str) -> None:
+    session, editor = session_of(window), editor_of(window)
+    editor.edits.select(0)
+    slider = editor.settings_bar.exactness if which == "natural" else editor.edits.strength
+    start, end = slider.value(), QPoint(slider.width() - 3, slider.height() // 2)
+    before, steps = session.state, step_names(session)
+    QTest.mouseClick(slider, Qt.MouseButton.LeftButton, pos=end)
+    assert slider.value() > start
+    slider.left.emit()
+    for _ in range(2):  # from elsewhere, and from its start
+        QTest.mouseClick(slider, Qt.MouseButton.LeftButton, pos=end)
+        QTest.mouseDClick(slider, Qt.MouseButton.LeftButton, pos=end)
+        assert (slider.value(), session.state) == (start, before)
+    trigger(window, "undo")
+    assert slider.value() == start + 10, "it is one step"
+    trigger(window, "undo")
+    assert step_names(session)[0] == steps[0]
+
+
 @pytest.mark.parametrize("between", ["focus", "pointer", "drag", "other slider", "save"])
 def test_ticks_end_where_something_comes_between(
     bench: Bench, window: MainWindow, between: str

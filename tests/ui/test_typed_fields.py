@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtGui import QFocusEvent, QFontMetricsF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QLineEdit, QWidget
 from pytestqt.qtbot import QtBot
 from support.films import make_wav
 from support.media import with_media
 from support.waiting import run_events
-from support.windows import Bench, add_edit, editor_of, session_of
+from support.windows import Bench, add_edit, editor_of, session_of, trigger
 
 import faceedit_app.ui
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.edits.splice_dialog import SpliceDialog
 from faceedit_app.ui.look.number import NumberBox
@@ -89,6 +92,69 @@ def test_what_is_wrong_stays_when_the_field_is_left(bench: Bench) -> None:
     assert window.timeline.selection == (1.25, 1.25)
 
 
+def test_what_is_wrong_is_forgotten_when_another_edit_is_chosen(bench: Bench) -> None:
+    window = bench.editing()
+    session, editor = session_of(window), editor_of(window)
+    for start, falloff in ((0.5, 0.1), (1.5, 0.3), (1.5, 0.3)):
+        session.add(Edit(("mouth_opening",), Op.OFFSET, start, start + 0.4, falloff, 3.0))
+    state, fields = session.state, editor.curves.fields
+    for unit, box in product(
+        ("seconds", "timecode"), (fields.start, fields.end, fields.fade_in, fields.fade_out)
+    ):
+        trigger(window, f"unit_{unit}")
+        for chosen in (0, 1, 2, None):
+            editor.edits.select(chosen)
+            shown = box.text()
+            assert (reason(box), "x" in shown) == ("", False), (box.accessibleName(), chosen)
+            for _ in range(2):
+                type_wrongly(box)
+                assert box.hasFocus(), "another time is typed"
+                assert session.state == state
+            QTest.keyClick(box, Qt.Key.Key_Escape)
+            assert box.text() == shown
+            type_wrongly(box)
+        if box is not fields.fade_out:
+            continue
+        window.timeline.select((0.2, 0.3))
+        assert reason(box) == ""
+
+
+def test_a_number_that_another_window_has_interrupted_is_kept(qtbot: QtBot) -> None:
+    box = NumberBox()
+    qtbot.addWidget(box)
+    for typed, kept in (("5", "5.00"), ("6x", "6x")):
+        box.selectAll()
+        QTest.keyClicks(box, typed)
+        away = QFocusEvent(QEvent.Type.FocusOut, Qt.FocusReason.ActiveWindowFocusReason)
+        QApplication.sendEvent(box, away)
+        assert box.text() == kept
+    box.selectAll()
+    QTest.keyClicks(box, "zz")
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    assert box.value() == 5.0
+
+
+def test_the_fields_of_the_range_show_all_of_it(bench: Bench) -> None:
+    window = bench.editing()
+    fields = editor_of(window).curves.fields
+    window.timeline.select((1.123, 2.456))
+    boxes, sizes = (fields.start, fields.end), set()
+    for unit, box in product(("timecode", "seconds", "frames", "timecode"), (*boxes, *boxes)):
+        trigger(window, f"unit_{unit}")
+        run_events()  # the caption may make room
+        line, places = box.lineEdit(), []
+        for move in (line.home, line.end):
+            move(False)
+            line.grab()  # which scrolls to the cursor
+            places.append(line.cursorRect().center().x())
+        wide = QFontMetricsF(line.font()).horizontalAdvance(line.text())
+        assert places[1] - places[0] >= int(wide), "it need not scroll"
+        sizes.add((unit, line.font().pointSizeF()))
+        type_wrongly(box)  # marked, which sets its font
+        QTest.keyClick(box, Qt.Key.Key_Escape)
+    assert len(sizes) == 3
+
+
 def double_click(panel: EditsPanel, row: int, from_right: int) -> QWidget:
     """On a part of a row; returns the field that opens."""
     rect = panel.list.visualRect(panel.model.index(row))
@@ -135,6 +201,34 @@ def test_strength_and_range_are_typed_in_the_list(bench: Bench) -> None:
     assert session.edits[1].strength == 0.6
 
 
+def test_the_unit_of_a_strength_may_be_typed(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    for typed, strength in (("50", 0.5), ("60 %", 0.6), ("70%", 0.7), (" 80 ", 0.8)):
+        field = double_click(editor_of(window).edits, 0, 20)
+        for key in typed:  # each goes to whatever has the focus
+            QTest.keyClicks(QApplication.focusWidget() or window, key)
+        enter(field)
+        assert session_of(window).edits[0].strength == strength
+        assert not window.playback.playing
+
+
+def test_letters_are_those_of_the_field(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    editor, keys = editor_of(window), "abc e bg 1"
+    channels = window.actions_["all_channels"]
+    for field in (editor.curves.fields.start, editor.curves.fields.fade_in):
+        field.setFocus()
+        field.selectAll()
+        for key in keys:
+            QTest.keyClicks(QApplication.focusWidget() or window, key)
+        assert field.text().strip() == keys.strip()
+        QTest.keyClick(field, Qt.Key.Key_Escape)
+    assert not editor.face.shows_tracked
+    assert not (channels.isChecked() or window.playback.playing)
+
+
 @pytest.mark.parametrize("across", [20, 100], ids=["strength", "range"])
 def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int, qtlog: Any) -> None:
     window = bench.editing()
@@ -147,6 +241,11 @@ def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int, qtlo
     assert field.isVisible()
     assert WRONG in field.text()
     assert reason(field).startswith("Type ")
+    trigger(window, "rename_edit")
+    for key in "e b":
+        QTest.keyClicks(QApplication.focusWidget() or window, key)
+    assert "e b" in field.text()
+    QTest.keyClick(field, Qt.Key.Key_Return)
     window.setFocus()
     run_events()
     window.actions_["rename_edit"].trigger()
@@ -157,6 +256,7 @@ def test_a_field_in_the_list_of_edits_stays_open(bench: Bench, across: int, qtlo
     run_events()
     assert reason(window) == ""
     assert session.edits == edits
+    assert editor_of(window).edits.list.hasFocus()
 
 
 DIALOGS: dict[str, Callable[[QWidget], QDialog]] = {

@@ -209,14 +209,15 @@ def test_bad_input_is_refused_and_can_be_corrected(window: MainWindow) -> None:
     assert window.timeline.time == pytest.approx(2.0, abs=0.01)
 
 
-def test_space_plays_while_a_time_is_typed(window: MainWindow) -> None:
+def test_space_plays_until_a_time_is_typed(window: MainWindow) -> None:
     window.actions_["go_to"].trigger()
-    QTest.keyClicks(entry_of(window), "1")
     QTest.keyClick(entry_of(window), Qt.Key.Key_Space)
     assert window.playback.playing
-    assert entry_of(window).text() == "1"
     QTest.keyClick(entry_of(window), Qt.Key.Key_Space)
     assert not window.playback.playing
+    QTest.keyClicks(entry_of(window), "1 s")
+    assert not window.playback.playing
+    assert entry_of(window).text() == "1 s"
 
 
 def test_going_elsewhere_gives_it_up(window: MainWindow) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QFont, QFontMetricsF
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from faceedit_app.ui.curves import style
@@ -15,7 +18,9 @@ from faceedit_app.ui.state.time_display import Unit
 from faceedit_app.ui.state.timeline import FALLOFF_RANGE, Timeline
 
 _LONGEST = 1e6
-_SIZE, _TIMECODE_SIZE = 0.88, 0.8  # of the font: a timecode is long
+_SIZE = 0.88  # of the font, at most
+_LEFT, _RIGHT, _GAP = 10, 8, 4  # pixels
+_AROUND = 11  # pixels in a field that are not for its text
 
 
 class RangeFields(QWidget):
@@ -65,14 +70,14 @@ class RangeFields(QWidget):
     def _lay_out(self, *rows: tuple[QLabel, QWidget, QWidget]) -> None:
         self.setFixedWidth(style.HEADER_WIDTH)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-        wide = max(caption.sizeHint().width() for caption, *_ in rows)
+        self._wide = wide = max(caption.sizeHint().width() for caption, *_ in rows)
         column = QVBoxLayout(self)
-        column.setContentsMargins(10, 0, 8, 0)
+        column.setContentsMargins(_LEFT, 0, _RIGHT, 0)
         column.setSpacing(1)
         for caption, left, right in rows:
             caption.setFixedWidth(wide)
             row = QHBoxLayout()
-            row.setSpacing(4)
+            row.setSpacing(_GAP)
             row.addWidget(caption)
             row.addWidget(left, 1)
             row.addWidget(right, 1)
@@ -84,7 +89,7 @@ class RangeFields(QWidget):
         box.setAlignment(Qt.AlignmentFlag.AlignCenter)
         box.setMaximum(_LONGEST)
         box.setAccessibleName(name)
-        box.setFont(style.scaled_font(self, _SIZE))
+        _set_font(box, style.scaled_font(self, _SIZE))
         box.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
 
     @property
@@ -100,8 +105,6 @@ class RangeFields(QWidget):
         times += ", counted from 1" if self._in_frames and not coded else ""
         self._range_label.setHidden(coded)  # two timecodes take its place
         for box, which in ((self.start, "Start"), (self.end, "End")):
-            # Its text no longer follows the font of the box once that was set.
-            box.lineEdit().setFont(style.scaled_font(self, _TIMECODE_SIZE if coded else _SIZE))
             box.setToolTip(f"{which} of the selection, {times}")
             self._count(box, 0 if self._in_frames else 3)
         for fade, way in ((self.fade_in, "in"), (self.fade_out, "out")):
@@ -153,6 +156,22 @@ class RangeFields(QWidget):
                 fade.setMaximum(FALLOFF_RANGE[1] / self._frame)
                 fade.setValue(seconds / self._frame)
 
+        self._fit()
+
+    def _fit(self) -> None:
+        """Show all of both ends, in one size."""
+        caption = 0 if self._range_label.isHidden() else self._wide + _GAP
+        room = (style.HEADER_WIDTH - _LEFT - _RIGHT - _GAP - caption) // 2 - _AROUND
+        font = style.scaled_font(self, _SIZE)
+        metrics = QFontMetricsF(font)
+        ends = (self.start, self.end)
+        # Any digits, or the size would change while an end is dragged.
+        needed = max(metrics.horizontalAdvance(re.sub(r"\d", "0", box.text())) for box in ends)
+        if needed > room:
+            font = style.scaled_font(self, _SIZE * room / needed)
+        for box in ends:
+            _set_font(box, font)
+
     def _select(self) -> None:
         """Move the end that was typed; the other one stays exactly where it is.
 
@@ -200,3 +219,10 @@ class RangeFields(QWidget):
             self._edges.place(Span(*chosen, fade_in, fade_out))
         else:
             line.set_falloffs(fade_in, fade_out)
+
+
+def _set_font(box: NumberBox, font: QFont) -> None:
+    """Set the font of a field, whose text does not follow it by itself."""
+    for widget in (box, box.lineEdit()):
+        if widget.font() != font:
+            widget.setFont(font)

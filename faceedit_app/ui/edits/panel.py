@@ -106,8 +106,11 @@ class EditsPanel(QWidget):
         column.addWidget(self._pages, 1)
 
     def _slider(self) -> GestureSlider:
-        slider = GestureSlider(0, STRONGEST, 130)
-        slider.setToolTip("Strength: how much of the edit is applied.\n100 %: as you made it.")
+        slider = GestureSlider(0, STRONGEST, 130, start=100)
+        slider.setToolTip(
+            "Strength: how much of the edit is applied.\n"
+            "100 %: as you made it; a double click goes back to it."
+        )
         slider.dragged.connect(self._drag_strength)
         slider.sliderReleased.connect(self._released)
         slider.stepped.connect(self._step_strength)

@@ -28,9 +28,15 @@ class EditRows(QListView):
         return self.state() is QAbstractItemView.State.EditingState
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Qt makes the first row the current one, which would choose an edit and move the view."""
+        """Choose nothing; a field that is still open, as its text cannot be taken, gets the keys.
+
+        Qt makes the first row the current one, which would choose an edit and move the view.
+        """
         has_current = self.currentIndex().isValid()
         with QSignalBlocker(self.selectionModel()):
             super().focusInEvent(event)
             if not has_current:
                 self.selectionModel().clearCurrentIndex()
+        field = self.indexWidget(self.currentIndex())
+        if field is not None and self.is_typed:
+            field.setFocus()

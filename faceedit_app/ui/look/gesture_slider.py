@@ -10,7 +10,8 @@ from PySide6.QtWidgets import QSlider
 class GestureSlider(QSlider):
     """A horizontal slider that reports where each gesture ends.
 
-    A click does not take the focus, so that the arrows still move the playhead.
+    A click does not take the focus, so that the arrows still move the playhead. A double click goes
+    back to where the slider starts; the steps that its first click made may be merged with it.
 
     Signals:
         dragged(int): the handle moved and is still held; `sliderReleased` ends the drag.
@@ -23,8 +24,9 @@ class GestureSlider(QSlider):
     stepped = Signal(int)
     left = Signal()
 
-    def __init__(self, lowest: int, highest: int, width: int) -> None:
+    def __init__(self, lowest: int, highest: int, width: int, start: int) -> None:
         super().__init__(Qt.Orientation.Horizontal)
+        self._start = start
         self.setRange(lowest, highest)
         self.setPageStep(10)
         self.setFixedWidth(width)
@@ -44,6 +46,12 @@ class GestureSlider(QSlider):
         """Begin a new drag; the release of a cancelled one may have been lost."""
         self._is_dropped = False
         super().mousePressEvent(event)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Go back to where the slider starts; Qt would press again."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.setValue(self._start)
+        event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Move the handle, unless the drag was cancelled."""

@@ -55,8 +55,9 @@ class NumberBox(QDoubleSpinBox):
     def number_in(self, text: str) -> float | None:
         """The number that a text is, with its unit or without; None if it is none."""
         text = self.typed(text)
-        for part in (self.prefix(), self.suffix()):
-            text = text.strip().removeprefix(part.strip()).removesuffix(part.strip())
+        for part in (self.prefix().strip(), self.suffix().strip()):
+            for _ in range(2):  # a unit may be typed beside the one that stands there
+                text = text.strip().removeprefix(part).removesuffix(part)
         if _NUMBER.fullmatch(text := text.strip()) is None:
             return None
         number = float(text.replace(",", "."))
@@ -90,6 +91,11 @@ class NumberBox(QDoubleSpinBox):
 
     # --- what cannot be taken ----------------------------------------------------------------
 
+    @property
+    def is_typed(self) -> bool:
+        """Whether something is typed that was not taken yet, or cannot be."""
+        return self._before is not None or not self.hasAcceptableInput()
+
     def refuses(self) -> bool:
         """Whether what is typed cannot be taken; the reason is shown then.
 
@@ -116,8 +122,12 @@ class NumberBox(QDoubleSpinBox):
         self._forgive()
 
     def setValue(self, value: float) -> None:
-        """Show a number."""
+        """Show a number in place of what was typed, which is forgotten.
+
+        The number before it is forgotten, too: it may be that of another edit or selection.
+        """
         super().setValue(value)
+        self._before = None
         self._forgive()  # Qt does not say that the text has changed
 
     def _forgive(self) -> None:
@@ -142,7 +152,6 @@ class NumberBox(QDoubleSpinBox):
             self.selectAll()
         elif event.key() == Qt.Key.Key_Escape and not self.hasAcceptableInput():
             self.setValue(self.value() if self._before is None else self._before)
-            self._before = None
             self.selectAll()
         else:
             super().keyPressEvent(event)
@@ -150,14 +159,15 @@ class NumberBox(QDoubleSpinBox):
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Take the number; what is none stays."""
         text = "" if self.hasAcceptableInput() else self.lineEdit().text()
-        before = self._before
+        number, before = self.value(), self._before
         super().focusOutEvent(event)
-        if event.reason() in _AWAY:
-            return
-        if text:
+        if text and self.value() == number:
             self.lineEdit().setText(text)
-        self._before = before
-        self.refuses()
+            self._before = before
+        else:
+            self._before = None
+        if event.reason() not in _AWAY:
+            self.refuses()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Change the number, if it has the focus."""

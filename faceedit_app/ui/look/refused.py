@@ -20,14 +20,23 @@ def show_refused(field: QWidget, reason: str, otherwise: str = "") -> None:
     """
     if bool(field.property("refused")) != bool(reason):
         field.setProperty("refused", bool(reason))
-        field.style().unpolish(field)
-        field.style().polish(field)
+        _restyle(field)
     field.setAccessibleDescription(reason or otherwise)
     shown = reason_in(field.window())
     if reason:
         (shown or _Reason(field.window())).show_beside(field, reason)
     elif shown is not None and shown.field is field:
         shown.end()
+
+
+def _restyle(field: QWidget) -> None:
+    """Apply the style again, which would also bring back the first font of a field and its text."""
+    fonts = [(widget, widget.font()) for widget in (field, *field.findChildren(QWidget))]
+    field.style().unpolish(field)
+    field.style().polish(field)
+    for widget, font in fonts:
+        if widget.font() != font:
+            widget.setFont(font)
 
 
 def reason_in(window: QWidget) -> _Reason | None:

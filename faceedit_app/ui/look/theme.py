@@ -146,6 +146,7 @@ QLineEdit {{
     background: {BACKGROUND}; border: 1px solid {BORDER}; border-radius: 3px; padding: 0 4px;
     selection-background-color: {ACCENT_DEEP};
 }}
+QAbstractSpinBox#small QLineEdit {{ padding: 0 2px; }}
 QLineEdit:focus {{ border-color: {ACCENT}; }}
 QDialog QLineEdit, QLineEdit#find_word, QLineEdit#search {{ min-height: 20px; }}
 QLineEdit[refused="true"], QAbstractSpinBox[refused="true"] {{

@@ -149,6 +149,8 @@ class Editor(QWidget):
         self.curves.reshaped.connect(self._reshape)
         self.curves.reshape_ended.connect(self.edits.end_reshape)
         self.curves.fields.left.connect(document.seal)
+        # Also an edit with the same range: what was typed wrongly was meant for the other one.
+        self.edits.list.selectionModel().currentChanged.connect(lambda: self.curves.fields.sync())
         self.curves.edit_began.connect(self._drag_began)
         self.curves.edit_made.connect(self.edits.select_new)
         self.curves.follow_chosen(lambda: self.edits.chosen_edit)

@@ -14,7 +14,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.ui.page.keys_back import ENTER, KeysBack
+from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.page.keys_back import ENTER, KeysBack, in_list
 from faceedit_app.ui.page.time_entry import TimeEntry
 
 GLANCE = Qt.Key.Key_B
@@ -27,14 +28,15 @@ _ADJUSTING = {
     Qt.Key.Key_End,
 }
 _STEPPING = {Qt.Key.Key_Up, Qt.Key.Key_Down}
+_FIELDS = QLineEdit | QAbstractSpinBox
 
 
 class KeyArbiter(QObject):
     """Decides between a shortcut and the widget that has the focus.
 
-    Space always plays, even from a number field (but not while text is typed); the arrows move
-    a focused slider, choice or list, and the playhead otherwise; holding B shows the tracked
-    face.
+    Space plays, even from a number field in which nothing is typed yet; the arrows move a focused
+    slider, choice or list, and the playhead otherwise; holding B shows the tracked face. What is
+    typed into a field belongs to it.
 
     Attributes:
         back: gives the keys back to the curves.
@@ -73,10 +75,10 @@ class KeyArbiter(QObject):
 
     def _override(self, event: QKeyEvent) -> bool:
         focus = self._focus()
-        if focus is None or _takes_words(focus):
+        if focus is None:
             return False
         plain = event.modifiers() == Qt.KeyboardModifier.NoModifier
-        if plain and event.key() == Qt.Key.Key_Space:
+        if plain and event.key() == Qt.Key.Key_Space and not _takes_space(focus):
             event.ignore()  # consumed unaccepted, so that the shortcut gets it
             return True
         adjusts = isinstance(focus, QAbstractSlider | QComboBox | QAbstractItemView)
@@ -90,7 +92,7 @@ class KeyArbiter(QObject):
         if event.key() != GLANCE or event.isAutoRepeat():
             return event.key() == GLANCE and self._held
         focus = self._focus()
-        if down and (focus is None or _takes_words(focus) or event.modifiers()):
+        if down and (focus is None or isinstance(focus, _FIELDS) or event.modifiers()):
             return False
         if down == self._held:
             return down
@@ -110,8 +112,10 @@ class KeyArbiter(QObject):
         return focus if focus.window() is self._window else None
 
 
-def _takes_words(widget: QWidget) -> bool:
-    """Whether a widget is a text field; one for a time or inside a number field is not."""
-    return isinstance(widget, QLineEdit) and not (
-        isinstance(widget, TimeEntry) or isinstance(widget.parent(), QAbstractSpinBox)
-    )
+def _takes_space(widget: QWidget) -> bool:
+    """Whether Space is for a widget: a text, a field in a list, a number or time that is typed."""
+    if isinstance(widget, TimeEntry):
+        return widget.isModified()
+    if isinstance(widget, NumberBox):
+        return widget.is_typed or in_list(widget)
+    return isinstance(widget, QLineEdit)

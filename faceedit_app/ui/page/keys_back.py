@@ -23,8 +23,8 @@ class KeysBack(QObject):
     """The one rule for what would keep Space, the arrows, B and Z to itself.
 
     A click elsewhere in the window takes the keys from it, and so do the mouse on a slider or on
-    the arrows of a number field, and Enter in a number field. Who goes by Tab keeps them until
-    then. A click into a text or a list is meant for it.
+    the arrows of a number field, and Enter in a number field that takes what was typed. Who goes
+    by Tab keeps them until then. A click into a text or a list is meant for it.
 
     Attributes:
         home: what gets the keys; the window itself while it is hidden.
@@ -72,10 +72,11 @@ class KeysBack(QObject):
         """Whether a key was Enter in a number field; one in a list goes back to the list."""
         if event.key() not in ENTER or not isinstance(taking, QAbstractSpinBox):
             return False
-        if _in_list(taking):
+        if in_list(taking):
             return False
         taking.event(event)  # the number is taken first
-        self.give()
+        if taking.hasAcceptableInput():  # else another one is typed
+            self.give()
         return True
 
     @staticmethod
@@ -87,7 +88,7 @@ class KeysBack(QObject):
         return part is not None and (part is pressed or part.isAncestorOf(pressed))
 
 
-def _in_list(field: QWidget) -> bool:
+def in_list(field: QWidget) -> bool:
     """Whether a field was opened in a row of a list."""
     viewport = field.parentWidget()
     return viewport is not None and isinstance(viewport.parentWidget(), QAbstractItemView)

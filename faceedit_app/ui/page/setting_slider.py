@@ -29,7 +29,7 @@ class SettingSlider(QObject):
     def __init__(self, document: Document, tip: str) -> None:
         super().__init__()
         self._document = document
-        self.slider = GestureSlider(0, 100, 100)
+        self.slider = GestureSlider(0, 100, 100, start=self._percent_of(Settings()))
         self.slider.setToolTip(tip)
         self.slider.dragged.connect(self._dragged)
         self.slider.sliderReleased.connect(self._released)

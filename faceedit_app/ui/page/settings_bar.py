@@ -23,7 +23,8 @@ RESYNTHESIZE_TIP = (
 EXACT_TIP = (
     "How closely the face follows your curves, for all edits.\n"
     "Natural: only as far as the face model thinks natural.\n"
-    "Middle: as close as a natural face can get; FaceEdit starts here.\n"
+    "Middle: as close as a natural face can get; FaceEdit starts here, and a double click\n"
+    "goes back here.\n"
     "Exact: to the letter."
 )
 

@@ -67,14 +67,14 @@ class TimeEntry(QLineEdit):
         self.ended.emit()
 
     def event(self, event: QEvent) -> bool:
-        """Typed keys are not shortcuts, except Space."""
+        """Typed keys are not shortcuts; Space plays until something is typed."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             plain = event.modifiers() in (
                 Qt.KeyboardModifier.NoModifier,
                 Qt.KeyboardModifier.ShiftModifier,
                 Qt.KeyboardModifier.KeypadModifier,
             )
-            if plain and event.key() != Qt.Key.Key_Space:
+            if plain and (self.isModified() or event.key() != Qt.Key.Key_Space):
                 event.accept()
                 return True
         return super().event(event)
