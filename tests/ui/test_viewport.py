@@ -13,13 +13,13 @@ from PySide6.QtWidgets import QApplication
 from support.faces import shipped_rig
 from support.renderers import need_opengl
 from support.waiting import wait_for_timers
-from support.windows import Bench, FakeRenderer, drag, editor_of, session_of
+from support.windows import Bench, FakeRenderer, drag, editor_of, session_of, trigger
 
 from faceedit_app import render
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.ui.face.resolution import DRAGGED, PLAYED, Quality
 from faceedit_app.ui.face.viewport import Viewport
-from faceedit_app.ui.look.palette import ACCENT
+from faceedit_app.ui.look.palette import ACCENT, BACKGROUND
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -360,6 +360,10 @@ def test_the_focus_is_seen_and_the_mouse_does_not_take_it(bench: Bench, window: 
     face = face_of(window)
     edges = (0, face.height() // 2), (face.width() // 2, face.height() - 1)
     assert all(face.grab().toImage().pixelColor(*at) == QColor(ACCENT) for at in edges)
+    trigger(window, "show_both")
+    assert face.hasFocus()
+    picture, beside = face.grab().toImage(), QPoint(face.width() // 4, face.height() // 2)
+    assert picture.pixelColor(beside) != QColor(BACKGROUND), "the frame hides the faces"
     QTest.keyClick(face, Qt.Key.Key_Escape)
     assert not any(face.grab().toImage().pixelColor(*at) == QColor(ACCENT) for at in edges)
     drag(face, QPoint(30, 0), LEFT)

@@ -215,6 +215,7 @@ def _image_of(pixels: Pixels) -> QImage:
 def paint_names(painter: QPainter, room: QRect) -> None:
     """Label two faces."""
     half, height = room.width() // 2, room.height()
+    painter.save()  # what is painted next is not to be filled like the labels
     painter.fillRect(half, 0, 1, height, QColor(BORDER))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for x, name in ((0, "Tracked"), (half, "Edited")):
@@ -227,3 +228,4 @@ def paint_names(painter: QPainter, room: QRect) -> None:
         painter.drawRoundedRect(tag, 5, 5)
         painter.setPen(QColor(TEXT))
         painter.drawText(place, Qt.AlignmentFlag.AlignCenter, name)
+    painter.restore()
