@@ -101,8 +101,12 @@ def _row(one: Outcome) -> str:
     return (
         f'<tr><td>{name}<td>{_curves(one)}<td class="n">{one.seconds:.1f}'
         f'<td class="n">{one.changed} of {one.frames}<td class="n">{one.problems}'
-        f'<td class="n">{one.left}<td>{html.escape(one.written + said_of(one.backup))}</tr>'
+        f'<td class="n">{one.left}<td>{html.escape(one.written + _remarks(one))}</tr>'
     )
+
+
+def _remarks(one: Outcome) -> str:
+    return said_of(one.backup) + (f"; {one.note}" if one.note else "")
 
 
 def _skipped_row(one: Skipped) -> str:

@@ -73,6 +73,7 @@ class Outcome:
         backup: the path there of the copy of a file that it replaced; "" if there was none.
         made: the SHA-256 of the file that was written.
         again: what happened to an earlier result, so that this one was made.
+        note: what its file says otherwise than the take does, as `Take.rate_note`; "" if nothing.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Outcome:
     backup: str = ""
     made: str = ""
     again: str = ""
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -206,6 +208,7 @@ def perform(task: Task) -> Outcome:
             edited=_small(take.curve(LIP_OPENING)),
             backup="" if backup is None else str(PurePosixPath(task.result).with_name(backup.name)),
             made=fingerprint(task.output).sha256,
+            note=done.rate_note,
         )
     except FileError as error:  # --fps is the rate to write here
         remedy = error.remedy.replace("fps=", "--take-fps ")

@@ -121,6 +121,8 @@ def _worked_on(
                     said = outcome.error or f"{outcome.changed} of {outcome.frames} frames changed"
                     if outcome.again:
                         said += f"; made again, because the result {outcome.again}"
+                    if outcome.note:
+                        said += f"; {outcome.note}"
                     say(f"[{done}/{of}] {outcome.name}: {said}{said_of(outcome.backup)}")
 
             return run(tasks, log, jobs, scheduler, report)

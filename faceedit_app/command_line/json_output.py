@@ -87,6 +87,7 @@ def batch_facts(
                 "error": one.error or None,
                 "backup": str(output / one.backup) if one.backup else None,
                 "made_again": one.again or None,
+                "note": one.note or None,
                 "frames": one.frames,
                 "changed_frames": one.changed,
                 "duration_s": one.seconds,

@@ -89,8 +89,9 @@ def apply(
     for text in warnings:
         say(f"faceedit: warning: {text}", to=sys.stderr)
     written, changed = _export(session, output, character, follow_head, overwrite)
+    remarks = written.pop("notes")
     if as_json:
-        notes = [*warnings, *written.pop("notes")]
+        notes = [*warnings, *remarks]
         counts = {"edits": len(session.edits), "changed_frames": changed}
         json_output.say_json(written | {"notes": notes} | counts)
         return
@@ -98,6 +99,8 @@ def apply(
         f"{output}: {counted(len(session.edits), 'edit')}, "
         f"{changed} of {len(session.take.clip)} frames changed"
     )
+    for text in remarks:
+        say(f"  {text}")
 
 
 def _check_edits(path: Path) -> None:
@@ -139,7 +142,8 @@ def _export(
     if form is None:
         backup = session.export(output, overwrite)
         json_output.say_kept(output, backup)
-        facts = json_output.written_facts(output, take.path, take.format, take.clip, (), backup)
+        notes = (take.rate_note,) if take.rate_note else ()
+        facts = json_output.written_facts(output, take.path, take.format, take.clip, notes, backup)
         return facts, exporting.changed_frames(session, output)
     options = exporting.Options(character=character, overwrite=overwrite, follows_head=follow_head)
     done = exporting.export_session(session, output, form, options)

@@ -307,6 +307,8 @@ def _closures(
         if fix:
             session.add(*closing_edits(session), name="Close lips")
         say_kept(output, session.export(output, overwrite))
+        if note := session.take.rate_note:
+            say(f"{output}: {note}", to=sys.stderr)
         after = closures_of(session)
     return [_entry(*pair) for pair in zip(before, after, strict=True)]
 

@@ -120,6 +120,8 @@ class Exported:
         remarks: sentences about what the file does not hold, but for the head; see `said`.
         backup: the copy of the file that it replaced, if that was a recording or of another kind.
         is_straight: the head was recorded as it turns, but does not turn in the file.
+        rate_note: that its times say another rate than the user gave, as `Take.rate_note`; it is
+            among the remarks. "" if they do not.
     """
 
     path: Path
@@ -128,6 +130,7 @@ class Exported:
     remarks: tuple[str, ...]
     backup: Path | None = None
     is_straight: bool = False
+    rate_note: str = ""
 
     def said(self, turning: str = "") -> tuple[str, ...]:
         """All remarks.
@@ -273,7 +276,8 @@ def export_take(
     remarks = _left_out(encoded.lost, form)
     if encoded.note:
         remarks += (encoded.note,)
-    return Exported(path, form, encoded.clip, remarks, backup, encoded.is_straight)
+    rate_note = take.rate_note if encoded.note == take.rate_note else ""
+    return Exported(path, form, encoded.clip, remarks, backup, encoded.is_straight, rate_note)
 
 
 def _left_out(lost: tuple[str, ...], form: OutFormat) -> tuple[str, ...]:

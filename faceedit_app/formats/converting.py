@@ -40,7 +40,8 @@ class Converted:
         clip: what is in it.
         is_own: whether it is the take's own file with other weights.
         is_styled: whether it is a new file in the style of the take's.
-        note: what of the take's layout could not be kept, if it should be; else "".
+        note: what of the take's layout could not be kept, if it should be, or that its times were
+            kept although the user gave another rate; else "".
     """
 
     content: bytes
@@ -82,10 +83,12 @@ def converted(
     clip = take.clip if edited is None else edited
     whole = with_filled(clip, take.lost_rows, filled)
     is_own = form.name == take.kind
-    if is_own and (rate is None or rate == clip.rate):
+    told = take.other_rate is None or form.write is None  # or nothing else can be written
+    if is_own and (rate is None or (rate == clip.rate and told)):
         own = encoded_take(path, take, clip.weights, filled, clip.rotations, clip.confidence)
-        if own_layout or form.write is None or form.is_plain(own, whole):
-            return Converted(own, whole, is_own=True)
+        others_read = take.other_rate is None and form.is_plain(own, whole)
+        if own_layout or form.write is None or others_read:
+            return Converted(own, whole, is_own=True, note=take.rate_note)
     assert form.write is not None
     clip = resampled(whole, rate, fill_gaps=not form.tells_times)
     style = Like(take.source, nearest(take.clip, clip.times)) if is_own and own_layout else like

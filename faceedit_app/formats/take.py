@@ -141,6 +141,17 @@ class Take:
             return None
         return own
 
+    @property
+    def rate_note(self) -> str:
+        """What to say of a file that keeps this take's own times; "" if they are believed."""
+        own = self.other_rate
+        if own is None:
+            return ""
+        return (
+            f"it keeps the take's own times, which say {format_rate(own)} and not "
+            f"{format_rate(self.clip.rate)}"
+        )
+
 
 @dataclass(frozen=True)
 class Recording:

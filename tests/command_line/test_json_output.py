@@ -53,7 +53,10 @@ def test_apply_says_what_it_changed_and_could_not(
     assert facts.keys() == SHARED | {"take", "backup", "edits", "changed_frames"}
     assert (facts["edits"], facts["notes"]) == (1, [])
     assert 0 < facts["changed_frames"] < facts["frames"]
-    again = printed("apply", take, edits, "-o", take, "--overwrite", "--models", models)
+    otherwise = (take, edits, "-o", take, "--overwrite", "--models", models, "--fps", 50)
+    again = printed("apply", *otherwise)
+    own_times = "it keeps the take's own times, which say 60 fps and not 50 fps"
+    assert again["notes"] == [own_times]
     assert Path(again["backup"]).is_file()
     few = tmp_path / "few.csv"
     few.write_text("time,eyeBlinkLeft\n" + "".join(f"{n / 30:.4f},0.1\n" for n in range(60)))

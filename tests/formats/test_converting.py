@@ -138,6 +138,29 @@ def test_the_own_format_at_the_own_rate_is_byte_for_byte(tmp_path: Path) -> None
     assert (tmp_path / "out.csv").read_bytes() == path.read_bytes()
 
 
+@pytest.mark.parametrize(
+    ("options", "rate", "is_said"),
+    [
+        (["--take-fps", "50"], 60, True),
+        (["--take-fps", "60"], 60, False),
+        (["--take-fps", "50", "--fps", "50"], 50, False),
+        (["--take-fps", "50", "--format", "livelink"], 50, False),
+    ],
+)
+def test_a_rate_that_the_user_gave_is_written_or_said_not_to_be(
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+    options: list[str],
+    rate: float,
+    is_said: bool,
+) -> None:
+    path, out = make_livelink_csv(tmp_path / "take.csv"), tmp_path / "out.csv"
+    assert main(["convert", str(path), str(out), *options]) == 0
+    assert open_take(out).clip.rate == rate
+    said = "keeps the take's own times, which say 60 fps and not 50 fps"
+    assert (said in capfd.readouterr().out) is is_said
+
+
 def test_the_command_says_what_it_wrote_and_what_it_left_out(
     source: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -141,6 +141,10 @@ def test_another_rate_is_a_step_and_edits_stay_on_their_frames(
     trigger_enabled(window, "redo", "redo")
     assert session_of(window).take.clip.rate == 30
     assert [edit.start for edit in session_of(window).edits] == [2.0, 1.0]
+    bench.answers["export"] = bench.folder / "out.csv"
+    trigger(window, "export")
+    own_times = "out.csv: it keeps the take's own times, which say 60 fps and not 30 fps"
+    assert own_times in window.banner.text.text()
     window.commands.edit.travel(-3)
     assert session_of(window).edits == ()
     assert session_of(window).take.clip.rate == 60

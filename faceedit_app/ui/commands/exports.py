@@ -50,6 +50,11 @@ class Exports:
             self._failed(error)
             return False
         self._done(path, left + said_of(backup))
+        if session is not None and (note := session.take.rate_note):
+            # Longer on screen than the message: other programs play the file at that rate.
+            self._workspace.warning.emit(
+                f"{path.name}: {note}; a format chosen in File > Export as has the new rate"
+            )
         return True
 
     def export_as(self) -> None:
