@@ -199,7 +199,7 @@ def perform(task: Task) -> Outcome:
         return replace(
             outcome,
             written=task.result,
-            frames=len(take.times),
+            frames=len(take.times) + take.session.count_filled(),
             changed=changed,
             seconds=round(take.duration, 3),
             problems=problems,

@@ -97,7 +97,7 @@ def apply(
         return
     say(
         f"{output}: {counted(len(session.edits), 'edit')}, "
-        f"{changed} of {len(session.take.clip)} frames changed"
+        f"{changed} of {written['frames']} frames changed"
     )
     for text in remarks:
         say(f"  {text}")
@@ -136,6 +136,7 @@ def _export(
         Facts about the file, and how many frames in it are changed.
     """
     from faceedit_app.editing import exporting
+    from faceedit_app.formats.converting import with_filled
 
     take = session.take
     form = exporting.by_ending(output, take)
@@ -143,7 +144,8 @@ def _export(
         backup = session.export(output, overwrite)
         json_output.say_kept(output, backup)
         notes = (take.rate_note,) if take.rate_note else ()
-        facts = json_output.written_facts(output, take.path, take.format, take.clip, notes, backup)
+        clip = with_filled(take.clip, take.lost_rows, session.filled_rows())
+        facts = json_output.written_facts(output, take.path, take.format, clip, notes, backup)
         return facts, exporting.changed_frames(session, output)
     options = exporting.Options(character=character, overwrite=overwrite, follows_head=follow_head)
     done = exporting.export_session(session, output, form, options)

@@ -137,8 +137,18 @@ class EditSession(EditHistory):
         return self.shown_rig.from_arkit(source[frame])
 
     def changed_frames(self) -> int:
-        """The number of frames that differ from the take as tracked, with its file's digits."""
-        return self.live.changed_frames
+        """The number of frames that differ from the take as tracked, with its file's digits.
+
+        Rows that a fill gives a face count as well.
+        """
+        return self.live.changed_frames + self.count_filled()
+
+    def count_filled(self) -> int:
+        """The number of rows without a face that fills give one."""
+        if not any(edit.op is Op.FILL for edit in self.edits):
+            return 0
+        rows = self.filled_rows()
+        return 0 if rows is None else int(np.isfinite(rows).all(axis=1).sum())
 
     def _show(self, state: EditState) -> None:
         """Update the arrays, unless only media or words have changed."""

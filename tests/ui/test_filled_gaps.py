@@ -14,6 +14,7 @@ from support.windows import Bench, editor_of, session_of, trigger, trigger_enabl
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.controls import CONTROL_INDEX, LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.exporting import changed_frames
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.start.window import MainWindow
 
@@ -47,11 +48,17 @@ def test_what_is_shown_in_a_gap_is_what_the_export_writes(
     assert not len(face_line(window, 0.001))
     trigger_enabled(window, "next_problem", "fix_problem")
     assert len(face_line(window, 0.001)) == len(LOST), "the proposal is shown"
+    editor.settings_bar.sync()
+    assert editor.settings_bar.edits.text() == "No edits", "nor the frames that it would change"
     trigger_enabled(window, "discard_fix")
     assert not len(face_line(window, 0.001))
     trigger_enabled(window, "fix_problem", "accept_fix")
     assert session.take.clip.gap_times == [gap], "the gap is still marked"
+    counted = editor.settings_bar.edits.text()
     session.export(tmp_path / "out.csv")
+    changed = changed_frames(session, tmp_path / "out.csv")
+    assert changed == session.changed_frames() >= len(LOST)
+    assert counted == f"1 edit · {changed} frames changed"
     exported = open_take(tmp_path / "out.csv").clip
     rig = session.rig
     for row in LOST:

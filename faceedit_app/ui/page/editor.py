@@ -70,7 +70,7 @@ class Editor(QWidget):
         self._tools = tools
         self._take: Path | None = None
         self.gap_frames = GapFrames(document, timeline, self)
-        self.settings_bar = SettingsBar(actions, document)
+        self.settings_bar = SettingsBar(actions, document, timeline)
         self.tool_bar = ToolBar(actions, tools)
         self.proposal = ProposalBar(actions, document)
         self.curves = CurvesPanel(timeline, tools)
@@ -160,6 +160,7 @@ class Editor(QWidget):
         self.edits.reshaping = lambda: self.curves.is_reshaping
         self.solving.advanced.connect(self._advanced)
         self.gap_frames.changed.connect(self._advanced)
+        self.gap_frames.changed.connect(self.settings_bar.sync)
         self.solving.finished.connect(self._solved)
         self.edits.selected.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)

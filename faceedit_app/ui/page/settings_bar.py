@@ -11,6 +11,7 @@ from faceedit_app.ui.look.widgets import Elided, bar_row, caption, divider, icon
 from faceedit_app.ui.page.setting_slider import NAME, SettingSlider
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.timeline import Timeline
 
 PRESERVE_TIP = (
     "Preserve the take: only the frames and curves that your edits affect change;\n"
@@ -32,9 +33,9 @@ EXACT_TIP = (
 class SettingsBar(QWidget):
     """Undo, redo, reset; mode, natural to exact; the number of edits."""
 
-    def __init__(self, actions: Actions, document: Document) -> None:
+    def __init__(self, actions: Actions, document: Document, timeline: Timeline) -> None:
         super().__init__()
-        self._document, self._actions = document, actions
+        self._document, self._actions, self._timeline = document, actions, timeline
         actions["preserve"].setToolTip(PRESERVE_TIP)
         actions["resynthesize"].setToolTip(RESYNTHESIZE_TIP)
         self.setting = SettingSlider(document, EXACT_TIP)
@@ -87,10 +88,13 @@ class SettingsBar(QWidget):
 
     def _count(self) -> None:
         session, text, edits = self._document.session, "", ""
+        if session is not None and session.is_previewing:
+            return  # its frames are not those of the kept edits
         if session is not None and not session.edits:
             text = "No edits"
         elif session is not None:
-            frames = counted(session.changed_frames(), "frame")
+            filled = len(self._timeline.filled_frames or ())  # `changed_frames` would wait for them
+            frames = counted(session.live.changed_frames + filled, "frame")
             edits = counted(len(groups_of(session.edits)), "edit")  # as many as rows
             text = f"{edits} · {frames} changed"
         self.edits.short = edits
