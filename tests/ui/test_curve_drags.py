@@ -110,6 +110,23 @@ def test_the_frames_of_a_tiny_take_are_whole_and_can_be_dragged(qtbot: QtBot, fr
     assert (edit.start, edit.end) == (times[-1], times[-1])
 
 
+@pytest.mark.parametrize(("below", "index"), [(0, 1), (1, 2)])
+def test_a_press_between_two_plots_is_one_on_the_nearer(
+    panel: CurvesPanel, below: int, index: int
+) -> None:
+    panel.tools.link(False)
+    plot, per_pixel = panel.plots[1], panel.plots[index].current_scale.mm_per_pixel
+    content = plot.parentWidget()
+    at = plot.mapToParent(QPoint(place(plot, 1.5).x(), plot.height() + below))
+    assert content.childAt(at) is None, "a line is between the two"
+    QTest.mousePress(content, LEFT, NONE, at)
+    move_with(content, at - QPoint(0, 5), NONE)
+    QTest.mouseRelease(content, LEFT, NONE, at - QPoint(0, 12))
+    (edit,) = session_of(panel).edits
+    assert edit.controls == (CONTROLS[index].id,)
+    assert edit.value == pytest.approx(12 * per_pixel)
+
+
 def test_shift_is_fine(panel: CurvesPanel) -> None:
     plot = panel.plots[0]
     start, per_pixel = place(plot, 1.5), plot.current_scale.mm_per_pixel

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QCoreApplication, QEvent, QRect, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, QRect, Qt
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
 
 from faceedit_app.ui.curves import style
@@ -29,6 +30,57 @@ class _Grid(QGridLayout):
             header.match_rows(min(other.height() for other in shown))
 
 
+class _Content(QWidget):
+    """The rows; a press on the line between two plots goes to the nearer one."""
+
+    def __init__(self, plots: Sequence[CurvePlot]) -> None:
+        super().__init__()
+        self._plots = plots
+        self._held: tuple[QWidget, QPointF] | None = None  # a plot's viewport, and how far it is
+
+    def _nearer(self, at: QPoint) -> tuple[QWidget, QPointF] | None:
+        """The plot beside a place between two, and the way to it."""
+        if self.childAt(at) is not None:  # an event that a row did not want
+            return None
+        for way in (QPoint(0, -1), QPoint(0, 1)):
+            beside = self.childAt(at + way)
+            plots = [plot.viewport() for plot in self._plots if plot.isEnabled()]
+            if beside is not None and beside in plots:
+                return beside, QPointF(way)
+        return None
+
+    def _pass_on(self, event: QMouseEvent) -> None:
+        """Let the plot have an event, as if it had happened on the plot's edge."""
+        held, self._held = self._held, None  # what the plot does not want comes back here
+        if held is None:
+            event.ignore()
+            return
+        plot, way = held
+        at, where = plot.mapFrom(self, event.position() + way), event.globalPosition() + way
+        keys = event.button(), event.buttons(), event.modifiers()
+        QCoreApplication.sendEvent(plot, QMouseEvent(event.type(), at, where, *keys))
+        if event.buttons():
+            self._held = held
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Find the plot for all that follows, unless another button is held already."""
+        if event.buttons() == event.button():
+            self._held = self._nearer(event.position().toPoint())
+        self._pass_on(event)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """The second press."""
+        self.mousePressEvent(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Go on with the plot's gesture."""
+        self._pass_on(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End the plot's gesture."""
+        self._pass_on(event)
+
+
 class CurveRows(QScrollArea):
     """A header and a plot for each control; any of them may be hidden.
 
@@ -50,7 +102,7 @@ class CurveRows(QScrollArea):
         pairs = sorted(zip(headers, plots, strict=True), key=lambda pair: pair[1].control.optional)
         main = sum(not plot.control.optional for plot in plots)
         self._pairs = {row + (row >= main): pair for row, pair in enumerate(pairs)}
-        content = QWidget()
+        content = _Content(plots)
         self.setWidget(content)
         self._grid = _Grid(content, headers)
         self._grid.setHorizontalSpacing(0)
