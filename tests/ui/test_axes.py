@@ -5,11 +5,11 @@ from __future__ import annotations
 from itertools import pairwise, product
 
 import pytest
-from PySide6.QtCore import QRectF
+from PySide6.QtCore import QPoint, QRectF
 from PySide6.QtGui import QPainter, QPicture
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
-from support.curves import open_panel
+from support.curves import drag, open_panel, session_of
 from support.rigs import tiny_session
 
 from faceedit_app.editing.session import EditSession
@@ -75,10 +75,20 @@ def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
             assert_readable([*numbers, *below], axis.rect())
 
 
-def test_no_time_stands_before_the_take(qtbot: QtBot) -> None:
-    panel = open_panel(qtbot, tiny_session(1))
+@pytest.mark.parametrize("frames", [1, 2])
+def test_the_frames_of_a_tiny_take_are_whole_and_can_be_dragged(qtbot: QtBot, frames: int) -> None:
+    panel = open_panel(qtbot, tiny_session(frames))
     assert panel.timeline.view[0] < 0
-    assert drawn(panel.ruler.times)[0][1].strip("0. s") == ""
+    assert drawn(panel.ruler.times)[0][1].strip("0. s") == "", "no time is before the take"
+    plot, session = panel.plots[0], session_of(panel)
+    panel.timeline.zoom(0.5, 0.0)
+    scale, times = plot.current_scale, session.take.clip.times
+    for time in times:
+        assert 20 < scale.x_of(time) < scale.width - 20
+    start = QPoint(round(scale.x_of(times[-1])) + 30, 20)
+    drag(plot, start, start + QPoint(0, -12))
+    (edit,) = session.edits
+    assert (edit.start, edit.end) == (times[-1], times[-1])
 
 
 def test_frames_are_counted_in_round_numbers(panel: CurvesPanel) -> None:

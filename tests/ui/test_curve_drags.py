@@ -96,20 +96,6 @@ def test_many_moves_are_few_previews_and_the_last_counts(panel: CurvesPanel) -> 
     assert session.edits[0].value == pytest.approx(25 * per_pixel)
 
 
-@pytest.mark.parametrize("frames", [1, 2])
-def test_the_frames_of_a_tiny_take_are_whole_and_can_be_dragged(qtbot: QtBot, frames: int) -> None:
-    panel = open_panel(qtbot, tiny_session(frames))
-    plot, session = panel.plots[0], session_of(panel)
-    panel.timeline.zoom(0.5, 0.0)
-    scale, times = plot.current_scale, session.take.clip.times
-    for time in times:
-        assert 20 < scale.x_of(time) < scale.width - 20
-    start = QPoint(round(scale.x_of(times[-1])) + 30, 20)
-    drag(plot, start, start + QPoint(0, -12))
-    (edit,) = session.edits
-    assert (edit.start, edit.end) == (times[-1], times[-1])
-
-
 @pytest.mark.parametrize(("below", "index"), [(0, 1), (1, 2)])
 def test_a_press_between_two_plots_is_one_on_the_nearer(
     panel: CurvesPanel, below: int, index: int

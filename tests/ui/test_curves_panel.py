@@ -224,7 +224,7 @@ def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel) -
         header.setFixedHeight(height)
         layout = Layout.of(header, header.control.label, height)
         metrics, bold = QFontMetricsF(layout.name_font), QFontMetricsF(layout.value_font)
-        wrap = int(Qt.TextFlag.TextWordWrap)
+        wrap = 0 if layout.is_low else int(Qt.TextFlag.TextWordWrap)
         name = metrics.boundingRect(layout.name, wrap, header.control.label)
         assert name.width() <= layout.name.width()
         assert name.height() <= height + 1
@@ -232,6 +232,7 @@ def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel) -
         assert bold.horizontalAdvance(value) <= layout.value.width()
         if layout.is_low:
             assert layout.name.right() <= layout.value.left()
+            assert name.height() < 1.5 * metrics.height(), "on one line"
         else:
             assert layout.value.top() >= layout.name.top() + name.height() - 4
             assert layout.value.top() + bold.height() <= height + 3

@@ -16,7 +16,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from faceedit_app.core.controls import Control
+from faceedit_app.core.controls import CONTROLS, Control
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
 
@@ -24,21 +24,23 @@ _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
 UNIT = " mm"
 WIDEST = "88.8"  # of the values without a unit
-_NAME, _SMALLEST_NAME = 0.92, 0.72  # of the window's font
+_NAME, _SMALLEST_NAME, _SMALLER = 0.92, 0.72, 0.04  # of the window's font
+_LOW_VALUE = 0.92  # of the window's font: of the value beside a name
 _APART = 3.0  # pixels between name and value
 _SQUEEZE = 6.0  # pixels that three lines may move closer
 _LEFT = int(Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap)
 _RIGHT_TOP = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop)
 _RIGHT = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-_MIDDLE = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap)
+_MIDDLE = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Places of name, value and note; the name gets two lines if it needs them.
+    """Places of name, value and note.
 
     In a tall row they form one centred block, always with room for the note, so that names do
-    not jump during playback. In a low row the value is right of the name.
+    not jump during playback; the name gets two lines if it needs them. In a low row the value is
+    right of the name, which has one line.
 
     Attributes:
         name_font, value_font: the note uses the name's.
@@ -93,19 +95,24 @@ class Layout:
 
     @classmethod
     def _low(cls, widget: QWidget, room: QRectF) -> Layout:
-        """Side by side; the value goes without its unit, so that every name has two lines.
+        """Side by side, on one line; the value goes without its unit.
 
-        In the lowest rows, which show more curves in a small window, the name is printed smaller.
+        All names are printed as small as the longest one has to be.
         """
-        usual = QFontMetricsF(style.scaled_font(widget, _NAME)).height()
-        fits = min(_NAME * room.height() / (2.0 * usual), _NAME)
-        name = style.scaled_font(widget, max(fits, _SMALLEST_NAME))
-        value = style.scaled_font(widget, 1.0, bold=True)
+        value = style.scaled_font(widget, _LOW_VALUE, bold=True)
         wide = QFontMetricsF(value).horizontalAdvance(WIDEST)
         beside = QRectF(room.right() - wide, 0.0, wide, room.height())
-        return cls(
-            name, value, room.adjusted(0.0, 0.0, -wide - _APART, 0.0), beside, None, None, True
-        )
+        place = room.adjusted(0.0, 0.0, -wide - _APART, 0.0)
+        size = _NAME
+        while size > _SMALLEST_NAME and _longest(style.scaled_font(widget, size)) > place.width():
+            size -= _SMALLER
+        return cls(style.scaled_font(widget, size), value, place, beside, None, None, True)
+
+
+def _longest(font: QFont) -> float:
+    """Pixels of the longest name, with the overhang of its letters."""
+    metrics = QFontMetricsF(font)
+    return 1.0 + max(metrics.horizontalAdvance(control.label) for control in CONTROLS)
 
 
 class Header(QWidget):
@@ -140,7 +147,8 @@ class Header(QWidget):
         self.setEnabled(not why)
         self.setToolTip(
             why
-            or f"{self.control.hint}\nDouble-click: enlarge small movements.\n"
+            or f"{self.control.label}: {self.control.hint}\n"
+            "Double-click: enlarge small movements.\n"
             "Ctrl+click: choose several curves to edit together."
         )
 
@@ -183,6 +191,11 @@ class Header(QWidget):
             self._measured = key, Layout.of(self, self.control.label, least)
         return self._measured[1]
 
+    def _short_name(self, layout: Layout) -> str:
+        """The name, without its middle if it has no room; the tooltip has all of it."""
+        metrics, room = QFontMetricsF(layout.name_font), layout.name.width()
+        return metrics.elidedText(self.control.label, Qt.TextElideMode.ElideMiddle, room)
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Focus the curve; with Ctrl, choose it."""
         if event.button() == Qt.MouseButton.LeftButton:
@@ -214,8 +227,10 @@ class Header(QWidget):
             painter.setFont(layout.name_font)
             if layout.name.intersects(event.rect()):
                 painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
-                where = _MIDDLE if layout.is_low else _LEFT
-                painter.drawText(layout.name, where, self.control.label)
+                if layout.is_low:
+                    painter.drawText(layout.name, _MIDDLE, self._short_name(layout))
+                else:
+                    painter.drawText(layout.name, _LEFT, self.control.label)
             painter.setPen(style.color(style.MUTED))
             if layout.share is not None and self.share:
                 painter.drawText(layout.share, _RIGHT_TOP, self.share)

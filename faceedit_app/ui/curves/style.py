@@ -32,11 +32,11 @@ GAP = "#d08a6a"  # gaps
 TAG = "#14161a"  # behind numbers on the curves
 
 FACE_WIDTH = 1.8  # pixels
-HEADER_WIDTH = 168  # left of everything on the time axis
+HEADER_WIDTH = 182  # left of everything on the time axis
 AXIS_WIDTH = 38  # of it, for the numbers of the value axis
 RULER_HEIGHT = 34
 LEGEND_HEIGHT = 28
-ROW_HEIGHT = 24  # at least: two lines of a name in small print
+ROW_HEIGHT = 24  # at least
 ROW_GAP = 2
 RIGHT_MARGIN = 8
 VALUE_SPACING = 19  # pixels between the numbers of the value axis
