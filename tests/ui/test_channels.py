@@ -16,6 +16,7 @@ from support.windows import Bench, bench, drag, editor_of, session_of, trigger
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.ui.curves.channel_plot import ChannelPlot
 from faceedit_app.ui.curves.gestures import Pointer
 from faceedit_app.ui.page.channels_panel import ChannelsPanel
 from faceedit_app.ui.page.levels_dialog import LevelsDialog
@@ -129,7 +130,16 @@ def test_values_are_shown_at_the_playhead(bench: Bench) -> None:
 def test_drag_on_a_plot_draws_or_selects(bench: Bench) -> None:
     window, panel = opened(bench)
     session = session_of(window)
+    panel.choose("jawOpen", "mouthClose")
+    area = panel.area
+    area.ci.layout.activate()
+    between = area.items(area.viewport().rect().center())
+    assert not any(isinstance(item, ChannelPlot) for item in between), "a line is between the two"
+    drag(area.viewport(), QPoint(120, 0), Qt.MouseButton.LeftButton)
+    assert window.timeline.selection is not None
+    window.timeline.select(None)
     panel.choose("jawOpen")
+    area.ci.layout.activate()
     drag(panel.area.viewport(), QPoint(120, 0), Qt.MouseButton.LeftButton)
     assert window.timeline.selection is not None
     assert not session.edits

@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6.QtCore import QPointF
+from PySide6.QtGui import QMouseEvent
 
 from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.editing.edits.channels import is_rotation
@@ -179,3 +181,24 @@ class ChannelPlot(pg.PlotItem, Mouse):
             points=points,
             channels=(self.channel,),
         )
+
+
+class ChannelArea(pg.GraphicsLayoutWidget):
+    """Plots one above the other; a press on the line between two is one on the nearer."""
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin what the plot does."""
+        super().mousePressEvent(self._on_a_plot(event))
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """The second press."""
+        super().mouseDoubleClickEvent(self._on_a_plot(event))
+
+    def _on_a_plot(self, event: QMouseEvent) -> QMouseEvent:
+        for pixels in (0, -1, 1):  # the line has two
+            way = QPointF(0.0, pixels)
+            at = event.position() + way
+            if any(isinstance(item, ChannelPlot) for item in self.items(at.toPoint())):
+                where, keys = event.globalPosition() + way, event.modifiers()
+                return QMouseEvent(event.type(), at, where, event.button(), event.buttons(), keys)
+        return event

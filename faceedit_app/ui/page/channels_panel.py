@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QSignalBlocker, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
@@ -28,7 +27,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.channel_edits import channels_of
 from faceedit_app.ui.curves import style
-from faceedit_app.ui.curves.channel_plot import ChannelPlot
+from faceedit_app.ui.curves.channel_plot import ChannelArea, ChannelPlot
 from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.ruler import Ruler
@@ -66,7 +65,7 @@ class ChannelsPanel(QWidget):
         self.list.setAccessibleName("Channels")
         self.list.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.list.itemSelectionChanged.connect(self._choose)
-        self.area = pg.GraphicsLayoutWidget()
+        self.area = ChannelArea()
         self.area.setBackground(style.BACKGROUND)
         self.area.ci.setContentsMargins(0, 0, 0, 0)
         self.area.ci.setSpacing(2)
