@@ -43,7 +43,7 @@ QMenu::item:disabled {{ color: {DISABLED}; }}
 QMenu::separator {{ height: 1px; background: {BORDER}; margin: 4px 6px; }}
 QMenu::icon {{ padding-left: 6px; }}
 QMenu::icon:checked {{
-    background: {ACCENT_DEEP}; border: 1px solid {ACCENT}; border-radius: 4px;
+    background: {ACCENT_DEEP}; border: 1px solid {ACCENT}; border-radius: 4px; padding: 2px;
 }}
 QMenu::icon:checked:disabled {{ background: transparent; border-color: {FAINT}; }}
 QMenu::indicator {{ width: 16px; height: 16px; padding-left: 4px; }}
