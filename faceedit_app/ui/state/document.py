@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import is_same_file
 from faceedit_app.core.errors import FaceEditError
 
@@ -91,7 +92,6 @@ class Document(QObject):
         Looks into the file. One in which another window has saved the same, or only another view,
         holds it as well.
         """
-        from faceedit_app.core import on_disk
         from faceedit_app.editing.files.project import Project, holds
 
         session, file = self.session, self.project_file
