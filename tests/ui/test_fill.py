@@ -84,5 +84,5 @@ def test_rows_without_a_face_are_filled_in_variations(bench: Bench, tmp_path: Pa
     assert bar.count.text() == "1 of 4"
     trigger(window, "next_variation")
     trigger(window, "accept_fix")
-    assert session.changed_frames() == 0
+    assert session.changed_frames() == 16
     assert [(edit.op, edit.seed) for edit in session.edits] == [(Op.FILL, 1)]

@@ -16,6 +16,7 @@ from support.windows import Bench, open_path, session_of
 
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing.files.project import read_project
+from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.look import guard
 from faceedit_app.ui.start.window import MainWindow
 
@@ -96,6 +97,7 @@ def test_a_view_of_another_shape_opens_or_is_refused(
     document = json.loads(path.read_text())
     document["view"] |= {"ui": ui, "playhead": 1e6, "falloff": 1e6} | more
     path.write_text(json.dumps(document))
+    bench.answers["unsaved"] = dialogs.Unsaved.DISCARD  # one that cannot be read holds no edits
     window.commands.file.open_if_saved(path)
     opened: list[Path] = []
     window.workspace.opener.opened.connect(opened.append)

@@ -241,7 +241,7 @@ def test_the_number_of_problems_fits_its_place(window: MainWindow) -> None:
     editor = editor_of(window)
     head = editor.findChild(ProblemsHead)
     assert head is not None
-    for count, shown in ((35, "35 problems"), (1136, "1136"), (2, "2 problems")):
+    for count, shown in ((35, "35 problems"), (113_600, "113600"), (2, "2 problems")):
         editor.problems.problems = editor.problems.problems[:1] * count
         head.sync()
         assert head.count.text() == shown
