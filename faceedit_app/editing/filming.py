@@ -23,7 +23,7 @@ from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.files.originals import is_replaced
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.converting import with_filled
-from faceedit_app.formats.take import Take
+from faceedit_app.formats.take import Take, have_faces
 from faceedit_app.formats.timecode import start_of_day, time_of_day
 from faceedit_app.media import beside, offset_by_clock
 from faceedit_app.media.container import Abandoned
@@ -213,7 +213,7 @@ def shown_by(session: EditSession) -> tuple[Take, Floats, Floats | None]:
     before = np.floor(lost.positions).astype(np.intp)
     share = np.array(lost.positions, np.float32)[:, None] - before[:, None]
     nothing = (1 - share) * clip.weights[before] + share * clip.weights[before + 1]
-    nothing[~np.isfinite(filled).all(axis=1)] = np.nan
+    nothing[~have_faces(filled)] = np.nan
     edited = with_filled(edited, lost, filled)
     tracked = with_filled(clip, lost, nothing)
     return replace(take, clip=tracked), edited.arkit_weights(), edited.rotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -18,7 +18,7 @@ from faceedit_app.core.atomic import is_same_file, write_atomically
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.rig import Rig
-from faceedit_app.editing.edits.edit import MOST_EDITS, Op
+from faceedit_app.editing.edits.edit import MOST_EDITS, Edit, Op
 from faceedit_app.editing.files.edits_file import read_edits, write_edits
 from faceedit_app.editing.files.fingerprint import (
     Fingerprint,
@@ -33,7 +33,7 @@ from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import encoded_take
-from faceedit_app.formats.take import RoundingSource, Take
+from faceedit_app.formats.take import RoundingSource, Take, have_faces
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.networks.engine import Engine
@@ -145,10 +145,10 @@ class EditSession(EditHistory):
 
     def count_filled(self) -> int:
         """The number of rows without a face that fills give one."""
-        if not any(edit.op is Op.FILL for edit in self.edits):
+        if not _has_fills(self.edits):
             return 0
         rows = self.filled_rows()
-        return 0 if rows is None else int(np.isfinite(rows).all(axis=1).sum())
+        return 0 if rows is None else int(have_faces(rows).sum())
 
     def _show(self, state: EditState) -> None:
         """Update the arrays, unless only media or words have changed."""
@@ -189,26 +189,26 @@ class EditSession(EditHistory):
             Whether all are found, so that `filled_frames` is quick.
         """
         lost, edits = self.take.lost_rows, self._steps.shown.edits
-        if lost is None or not any(edit.op is Op.FILL for edit in edits):
+        if lost is None or not _has_fills(edits):
             return True
         return self._solver.find_some(lost, edits, time.perf_counter() + seconds)
 
     def filled_frames(self) -> FilledFrames | None:
         """The frames that fills give to gaps, as shown: also those of a preview; None if none."""
         lost, shown = self.take.lost_rows, self._steps.shown
-        if lost is None or not any(edit.op is Op.FILL for edit in shown.edits):
-            return None
-        self.live.work()
-        rows = self._solver.found(lost, shown.edits, shown.settings.closes, self.weights)
+        rows = self._rows_of(shown) if _has_fills(shown.edits) else None
         return filled_frames(self.take.clip, lost, rows, self._solver.distances.measure)
 
     def filled_rows(self) -> Floats | None:
         """(L, K) the weights that fills give to the take's `lost_rows`, NaN where none does."""
-        lost, closes = self.take.lost_rows, self.settings.closes
+        return self._rows_of(self.state)
+
+    def _rows_of(self, state: EditState) -> Floats | None:
+        lost = self.take.lost_rows
         if lost is None:
             return None
         self.live.work()
-        return self._solver.found(lost, self.edits, closes, self.weights)
+        return self._solver.found(lost, state.edits, state.settings.closes, self.weights)
 
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.
@@ -259,3 +259,7 @@ class EditSession(EditHistory):
             problem = f"has {len(edits):,} edits, a take can have {MOST_EDITS:,} in all"
             raise FileError(path, problem, "delete some of them")
         self.add(*edits, name="Load edits")
+
+
+def _has_fills(edits: Iterable[Edit]) -> bool:
+    return any(edit.op is Op.FILL for edit in edits)

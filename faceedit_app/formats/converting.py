@@ -112,10 +112,9 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
     """
     if lost is None or filled is None:
         return clip
-    there = np.isfinite(filled).all(axis=1)
-    if not there.any():
+    places, faces = lost.with_faces(filled)
+    if not len(places):
         return clip
-    places = np.array(lost.positions)[there]
     order = np.argsort(np.concatenate([np.arange(len(clip)), places]), kind="stable")
     after = np.ceil(places).astype(int)
     share = (places - (after - 1))[:, None]
@@ -129,7 +128,7 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
     times = np.concatenate([clip.times, times])[order]
     sure = clip.confidence
     return Clip(
-        weights=joined(clip.weights, filled[there]),
+        weights=joined(clip.weights, faces),
         channels=clip.channels,
         times=times,
         rate=clip.rate,

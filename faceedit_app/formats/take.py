@@ -102,6 +102,16 @@ class LostRows:
 
     positions: tuple[float, ...]
 
+    def with_faces(self, rows: Floats) -> tuple[Doubles, Floats]:
+        """Where the rows with a face lie, in frames (M,), and these (M, K), of rows (L, K)."""
+        there = have_faces(rows)
+        return np.array(self.positions)[there], rows[there]
+
+
+def have_faces(rows: Floats) -> Bools:
+    """(L,) which rows (L, K) have a face: one without is NaN."""
+    return np.asarray(np.isfinite(rows).all(axis=1), np.bool_)
+
 
 @dataclass(frozen=True)
 class Take:

@@ -19,7 +19,7 @@ from pathlib import Path
 import platformdirs
 
 from faceedit_app.core import on_disk
-from faceedit_app.core.atomic import keep_other, write_atomically
+from faceedit_app.core.atomic import write_keeping
 from faceedit_app.core.errors import FaceEditError, FileError, reason_of
 from faceedit_app.core.fields import (
     FieldError,
@@ -271,8 +271,7 @@ def save_preset(
     )
     lines = ",\n    ".join(to_text(to_json(edit)) for edit in kept)
     text = f'{head[:-2]},\n  "edits": [\n    {lines}\n  ]\n}}\n'
-    keep_other(path, lambda there: is_document(there, "version", "name", "edits"))
-    write_atomically(path, text.encode())
+    write_keeping(path, text.encode(), lambda there: is_document(there, "version", "name", "edits"))
     return read_preset(path, own=True)
 
 

@@ -117,9 +117,11 @@ def search_of(session: EditSession) -> Callable[[], list[Problem]]:
     if sure is not None:
         sure = session.moved(sure.astype(np.float32)).astype(np.float64)
 
+    as_asked: AsAsked | None = None
+    if rigs[0] is not rigs[1]:
+        as_asked = AsAsked(rigs, asked, session.tracked_weights, session.tracked)
+
     def search() -> list[Problem]:
-        tracked = take.clip.arkit_weights(), session.tracked
-        as_asked = AsAsked(rigs, asked, *tracked) if rigs[0] is not rigs[1] else None
         return problems_of(take.clip, weights, controls, as_asked, spoken, lost, sure, edits, usual)
 
     return search

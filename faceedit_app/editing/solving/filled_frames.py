@@ -53,12 +53,11 @@ def filled_frames(
     """
     if lost is None or rows is None:
         return None
-    there = np.isfinite(rows).all(axis=1)
-    if not there.any():
+    places, faces = lost.with_faces(rows)
+    if not len(places):
         return None
-    places = np.array(lost.positions)[there]
     weights = np.zeros((len(places), len(ARKIT_INDEX)), np.float32)
-    weights[:, [ARKIT_INDEX[channel] for channel in clip.channels]] = rows[there]
+    weights[:, [ARKIT_INDEX[channel] for channel in clip.channels]] = faces
     before = np.floor(places).astype(np.intp)
     times = np.interp(places, np.arange(len(clip)), clip.times)
     return FilledFrames(times, before, places - before, weights, measure(weights))

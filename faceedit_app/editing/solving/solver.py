@@ -44,7 +44,7 @@ from faceedit_app.editing.solving.solved_regions import SolvedRegions
 from faceedit_app.editing.solving.start import Start, Starts
 from faceedit_app.editing.solving.take_regions import BEYOND, TakeRegion
 from faceedit_app.editing.solving.take_statistics import IDLE, Sample
-from faceedit_app.formats.take import LostRows
+from faceedit_app.formats.take import LostRows, have_faces
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -230,7 +230,7 @@ class Solver:
         found = self._fills.found(active(divided(edits)[0]), lost.positions, weights)
         assert found is not None, "it has all the time"
         if self._closing is not None and closes:
-            faces = np.isfinite(found).all(axis=1)
+            faces = have_faces(found)
             found[faces] = rounded(self._closing(found[faces]), found[faces])
         return found[:, [ARKIT_INDEX[c] for c in self.clip.channels]]
 

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QAbstractButton, QSizePolicy, QWidget
 from faceedit_app.core.regions import OPTIONAL_LABEL
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
+from faceedit_app.ui.look.widgets import ENTER
 
 HINT = "Curves that few takes need. Click to show them or fold them away."
 EDITED = "edited"
@@ -50,7 +51,7 @@ class GroupHead(QAbstractButton):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter clicks, since Space always plays."""
-        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+        if event.key() in ENTER:
             self.click()
         else:
             event.ignore()

@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QDoubleSpinBox, QStyledItemDelegate, QWidget
 
 from faceedit_app.ui.look.number_text import NumberText
 from faceedit_app.ui.look.refused import show_refused
+from faceedit_app.ui.look.widgets import ENTER
 
 _NUMBER = re.compile(r"[+-]?(?:\d{1,30}(?:[.,]\d{0,30})?|[.,]\d{1,30})", re.ASCII)
-_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _AWAY = (Qt.FocusReason.PopupFocusReason, Qt.FocusReason.ActiveWindowFocusReason)
 
 
@@ -148,7 +148,7 @@ class NumberBox(QDoubleSpinBox):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter takes the number, or says why it cannot be; Esc then brings the old one back."""
-        if event.key() in _ENTER and self.refuses():
+        if event.key() in ENTER and self.refuses():
             self.selectAll()
         elif event.key() == Qt.Key.Key_Escape and not self.hasAcceptableInput():
             self.setValue(self.value() if self._before is None else self._before)
@@ -190,7 +190,7 @@ class NumberDelegate(QStyledItemDelegate):
         leaves = kind == QEvent.Type.FocusOut or (
             kind == QEvent.Type.KeyPress
             and isinstance(event, QKeyEvent)
-            and event.key() in (*_ENTER, Qt.Key.Key_Tab, Qt.Key.Key_Backtab)
+            and event.key() in (*ENTER, Qt.Key.Key_Tab, Qt.Key.Key_Backtab)
         )
         if leaves and isinstance(watched, QWidget) and self.refuses(watched):
             return kind == QEvent.Type.KeyPress

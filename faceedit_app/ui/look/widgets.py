@@ -36,6 +36,7 @@ from faceedit_app.ui.look.theme import GAP, MARGIN
 
 Shown = TypeVar("Shown", bound=QDialog)
 
+ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _TITLE_BAR = 40  # pixels, roughly; the frame is known only once the window is shown
 
 
@@ -52,7 +53,7 @@ class Segment(QToolButton):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter presses the button."""
-        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+        if event.key() in ENTER:
             self.click()
         else:
             super().keyPressEvent(event)

@@ -15,7 +15,8 @@ from PySide6.QtWidgets import (
 )
 
 from faceedit_app.ui.look.number import NumberBox
-from faceedit_app.ui.page.keys_back import ENTER, KeysBack, in_list
+from faceedit_app.ui.look.widgets import ENTER
+from faceedit_app.ui.page.keys_back import KeysBack, in_list
 from faceedit_app.ui.page.time_entry import TimeEntry
 
 GLANCE = Qt.Key.Key_B

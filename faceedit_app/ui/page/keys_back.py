@@ -14,7 +14,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+from faceedit_app.ui.look.widgets import ENTER
+
 _TAKING = QAbstractSlider | QAbstractSpinBox | QComboBox | QLineEdit | QAbstractItemView
 _MOUSE = Qt.FocusReason.MouseFocusReason
 
