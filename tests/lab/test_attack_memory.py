@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 
 import pytest
@@ -44,6 +45,43 @@ def test_what_pythons_allocator_keeps_for_later_is_left_out() -> None:
     del many
     assert memory.kept_by_python() - in_use > 8 * 2**20
     assert len(few) == 800
+
+
+def test_what_cs_allocator_keeps_for_later_is_left_out() -> None:
+    if not memory.kept_by_c():
+        pytest.skip("this C library does not say what its allocator keeps")
+    libc = ctypes.CDLL(None)
+    libc.malloc.restype, libc.malloc.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+    libc.free.restype, libc.free.argtypes = None, [ctypes.c_void_p]
+    before = memory.kept_by_c()
+    many = [libc.malloc(1_500) for _ in range(20_000)]  # less than a page each: none is unmapped
+    for one in many:
+        ctypes.memset(one, 1, 1_500)
+    in_use = memory.kept_by_c()
+    assert in_use - before < 4 * 2**20, "what is in use is not left out"
+    kept = many[::2]
+    for one in many[1::2]:
+        libc.free(one)
+    libc.malloc_trim(0)
+    assert memory.kept_by_c() - in_use > 8 * 2**20
+    for one in kept:
+        libc.free(one)
+
+
+def test_the_heaps_of_all_threads_are_counted_and_nothing_else() -> None:
+    smaps = """\
+55d000000000-55d000400000 rw-p 00000000 00:00 0                          [heap]
+Anonymous:          1000 kB
+7f0004000000-7f0004200000 rw-p 00000000 00:00 0
+Anonymous:           200 kB
+7f0004200000-7f0008000000 ---p 00000000 00:00 0
+Anonymous:             0 kB
+7f0009000000-7f0009200000 rw-p 00000000 00:00 0
+Anonymous:          4000 kB
+7f000c000000-7f000c200000 rw-p 00000000 fe:01 1234                       /usr/lib/libQt6Gui.so
+Anonymous:           800 kB
+"""
+    assert memory._heaps(smaps.splitlines()) == 1_200 * 2**10
 
 
 def test_pictures_that_a_graphics_card_keeps_are_not_left_out(
