@@ -8,6 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import qWarning
 from support.reading import DEADLY, ENDLESS, pretended
 
 from faceedit_app.cli import main
@@ -19,6 +20,7 @@ from faceedit_app.lab.attacks import fuzz_watch
 from faceedit_app.lab.attacks.fuzz import Findings, fuzz
 from faceedit_app.lab.attacks.fuzz_job import Result
 from faceedit_app.lab.attacks.fuzz_process import outcome_of
+from faceedit_app.lab.attacks.hands import qt_warnings_noted
 from faceedit_app.lab.attacks.mutation import mutated
 from faceedit_app.lab.attacks.reader import Reader
 from faceedit_app.lab.attacks.readers import all_readers, readers_of
@@ -32,6 +34,18 @@ def test_the_same_seed_damages_a_file_in_the_same_way() -> None:
     copies = [mutated(content, random.Random(seed)) for seed in (1, 1, 2)]
     assert copies[0] == copies[1] != copies[2]
     assert sum(mutated(content, random.Random(seed)) != content for seed in range(50)) > 45
+
+
+def test_what_qt_warns_of_is_wrong_but_not_what_it_cannot_do_without_a_screen(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    with qt_warnings_noted() as warned:
+        qWarning("This plugin does not support raise()")
+        qWarning("edit: editing failed")
+    assert warned == ["Qt: edit: editing failed"]
+    said = capfd.readouterr().err
+    assert "edit: editing failed" in said
+    assert "plugin" not in said
 
 
 def test_every_reader_reads_its_undamaged_file(tmp_path: Path) -> None:

@@ -6,12 +6,22 @@ import contextlib
 import random
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from enum import Enum
 from types import TracebackType
 from typing import Any
 
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, Qt
+from PySide6.QtCore import (
+    QCoreApplication,
+    QEvent,
+    QMessageLogContext,
+    QPoint,
+    QPointF,
+    Qt,
+    QtMsgType,
+    qInstallMessageHandler,
+)
 from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QMenu, QWidget
@@ -28,6 +38,7 @@ HELD = (
 )
 _LEFT, _NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 _GIVES_UP, _INTERRUPTS = 0.1, 0.08  # of the drags: Esc, or a command, before the release
+_WITHOUT_A_SCREEN = "This plugin does not support"
 _NOTCH = 120  # of a wheel
 
 
@@ -189,6 +200,28 @@ def _cancelled(ask: Callable[..., Any]) -> Enum | None:
         members = kind.__members__
         return members.get("CANCEL") or members["LATER"]
     return None
+
+
+@contextlib.contextmanager
+def qt_warnings_noted() -> Iterator[list[str]]:
+    """Collect what Qt warns of: a program that uses it rightly hears of nothing.
+
+    What its platform without a screen cannot do is no fault of the window's, and is not printed.
+    """
+    found: list[str] = []
+
+    def note(kind: QtMsgType, context: QMessageLogContext, text: str) -> None:
+        if text.startswith(_WITHOUT_A_SCREEN):
+            return
+        print(f"Qt: {text}", *traceback.format_stack(limit=6), sep="\n", file=sys.stderr)
+        if kind in (QtMsgType.QtWarningMsg, QtMsgType.QtCriticalMsg):
+            found.append(f"Qt: {text}")
+
+    before = qInstallMessageHandler(note)
+    try:
+        yield found
+    finally:
+        qInstallMessageHandler(before)
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from PySide6.QtCore import QCoreApplication
 
 from faceedit_app.editing.files import journal
 from faceedit_app.lab.attacks.checks import wrong_after, wrong_when_undone
-from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted
+from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted, qt_warnings_noted
 from faceedit_app.lab.attacks.memory import memory_of
 from faceedit_app.lab.attacks.monkey import Monkey
 from faceedit_app.lab.attacks.opened import open_window, session_of
@@ -94,6 +94,7 @@ def soak(
     with (
         tempfile.TemporaryDirectory() as name,
         exceptions_noted() as unexpected,
+        qt_warnings_noted() as warned,
         dialogs_cancelled() as refused,
         contextlib.ExitStack() as watch,
         collecting(),
@@ -109,7 +110,7 @@ def soak(
                 return is_stopped() or time.monotonic() - began > seconds
 
             while not soaked.problems and not is_over():
-                if _burst(monkey, soaked, dog, lambda: [*unexpected, *refused], is_over):
+                if _burst(monkey, soaked, dog, lambda: [*unexpected, *refused, *warned], is_over):
                     _check(window, monkey, folder, soaked, dog)
                     dog.step()
                 advance(time.monotonic() - began)
