@@ -301,6 +301,11 @@ def with_problems(bench: Bench, monkeypatch: pytest.MonkeyPatch, folder: Path) -
     return window
 
 
+def await_trial(bench: Bench, window: MainWindow) -> None:
+    """Wait until the fixes of the problems in the list have been tried."""
+    bench.qtbot.waitUntil(lambda: not editor_of(window).trials.is_trying)
+
+
 def with_undone_slider(bench: Bench) -> MainWindow:
     """With a take with one edit, and a step of its slider that was taken back."""
     window = bench.editing()

@@ -17,7 +17,14 @@ from PySide6.QtWidgets import (
     QStyleOptionViewItem,
 )
 from support.waiting import run_events
-from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
+from support.windows import (
+    Bench,
+    await_trial,
+    editor_of,
+    session_of,
+    trigger_enabled,
+    with_problems,
+)
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.help.problems import Kind, Problem
@@ -31,6 +38,12 @@ LEFT_EYE, OPENING = CONTROL_INDEX["left_eyelid"], CONTROL_INDEX["mouth_opening"]
 @pytest.fixture
 def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> MainWindow:
     return with_problems(bench, monkeypatch, tmp_path)
+
+
+def accept_tried(bench: Bench, window: MainWindow) -> None:
+    """Accept the proposal for all, and wait until it is made."""
+    trigger_enabled(window, "accept_fix")
+    await_trial(bench, window)
 
 
 # --- problems ----------------------------------------------------------------------------------
@@ -180,7 +193,7 @@ def test_the_list_says_what_when_and_how_bad(window: MainWindow) -> None:
     assert tree.selectionModel().selectedRows() == [cells(window)[1]]
 
 
-def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
+def test_the_list_is_sorted_and_filtered(bench: Bench, window: MainWindow) -> None:
     editor = editor_of(window)
     found, tree = editor.problem_list, editor.problem_list.rows
     lips = editor.problems.problems[1]
@@ -193,12 +206,13 @@ def test_the_list_is_sorted_and_filtered(window: MainWindow) -> None:
     assert texts(window)[0] == "Lips stay open"
     found.kinds.setCurrentIndex(1)
     assert texts(window) == ["Lips stay open"]
-    trigger_enabled(window, "fix_all", "accept_fix")
+    trigger_enabled(window, "fix_all")
+    accept_tried(bench, window)
     assert session_of(window).edits == lips.fix
     assert [problem.kind for problem in editor.problems.problems] == ["blink"]
 
 
-def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
+def test_what_is_unticked_is_left_alone(bench: Bench, window: MainWindow) -> None:
     editor, session = editor_of(window), session_of(window)
     blink, lips = editor.problems.problems
     trigger_enabled(window, "fix_all")
@@ -209,7 +223,7 @@ def test_what_is_unticked_is_left_alone(window: MainWindow) -> None:
     assert "1 problem " in editor.proposal.text.text()
     frame = session.take.clip.frame_at(blink.time)
     assert session.asked[frame, LEFT_EYE] == session.tracked[frame, LEFT_EYE]
-    trigger_enabled(window, "accept_fix")
+    accept_tried(bench, window)
     assert session.edits == lips.fix
     assert cells(window)[0].data(tick) is Qt.CheckState.Unchecked, "it stays unticked"
     assert not window.actions_["fix_all"].isEnabled()
@@ -266,9 +280,10 @@ def test_a_mark_is_clicked(window: MainWindow) -> None:
     assert bar.problems[last].message in window.status.currentMessage()
 
 
-def test_all_problems_at_once(window: MainWindow) -> None:
+def test_all_problems_at_once(bench: Bench, window: MainWindow) -> None:
     editor = editor_of(window)
-    trigger_enabled(window, "fix_all", "accept_fix")
+    trigger_enabled(window, "fix_all")
+    accept_tried(bench, window)
     assert len(session_of(window).edits) >= len(editor.problems.problems)
     trigger_enabled(window, "undo")
     assert session_of(window).edits == ()
@@ -314,7 +329,7 @@ def test_the_arrows_go_through_the_list(window: MainWindow) -> None:
     assert not editor.proposal.is_open, "the fix of another problem"
 
 
-def test_each_of_all_fixes_can_be_looked_at(window: MainWindow) -> None:
+def test_each_of_all_fixes_can_be_looked_at(bench: Bench, window: MainWindow) -> None:
     """Going to a problem leaves the proposal for all of them; keys untick and tick it."""
     editor, session = editor_of(window), session_of(window)
     blink, lips = editor.problems.problems
@@ -329,18 +344,19 @@ def test_each_of_all_fixes_can_be_looked_at(window: MainWindow) -> None:
     assert not window.actions_["tick_problem"].isChecked()
     trigger_enabled(window, "previous_problem")
     assert window.actions_["tick_problem"].isChecked()
-    trigger_enabled(window, "accept_fix")
+    accept_tried(bench, window)
     assert session.edits == blink.fix
 
 
-def test_what_is_unticked_last_is_not_fixed_either(window: MainWindow) -> None:
+def test_what_is_unticked_last_is_not_fixed_either(bench: Bench, window: MainWindow) -> None:
     editor, session = editor_of(window), session_of(window)
     blink, _lips = editor.problems.problems
     trigger_enabled(window, "fix_all", "untick_all")
     assert not editor.proposal.is_open
     np.testing.assert_array_equal(session.asked, session.tracked)
     assert not window.actions_["fix_all"].isEnabled()
-    trigger_enabled(window, "next_problem", "tick_problem", "fix_all", "accept_fix")
+    trigger_enabled(window, "next_problem", "tick_problem", "fix_all")
+    accept_tried(bench, window)
     assert session.edits == blink.fix
     assert not window.actions_["fix_all"].isEnabled()
     trigger_enabled(window, "tick_all", "fix_all")

@@ -10,7 +10,14 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton
 from support.waiting import run_events
-from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
+from support.windows import (
+    Bench,
+    await_trial,
+    editor_of,
+    session_of,
+    trigger_enabled,
+    with_problems,
+)
 
 from faceedit_app.ui.page import problems_bar
 from faceedit_app.ui.start.window import MainWindow
@@ -40,10 +47,13 @@ def test_a_proposal_pushes_nothing_about(window: MainWindow, bench: Bench) -> No
 
 
 @pytest.mark.parametrize("button", ["Accept", "Discard"])
-def test_a_double_click_on_a_proposal_is_one_click(window: MainWindow, button: str) -> None:
+def test_a_double_click_on_a_proposal_is_one_click(
+    bench: Bench, window: MainWindow, button: str
+) -> None:
     """Nothing else lies where the second click falls, whether the bar is gone by then or not."""
     editor, session = editor_of(window), session_of(window)
     trigger_enabled(window, "next_problem", "fix_all")
+    await_trial(bench, window)
     run_events()
     (on,) = [b for b in editor.proposal.findChildren(QToolButton) if b.text().strip() == button]
     place = on.mapTo(window, on.rect().center())
@@ -69,10 +79,11 @@ def test_another_gesture_drops_a_proposal(window: MainWindow) -> None:
 
 
 def test_a_fix_that_makes_another_problem_says_so(
-    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blink, lips = editor_of(window).problems.problems
     trigger_enabled(window, "fix_all")
+    await_trial(bench, window)
     made = replace(blink, start=1.0, end=1.2, time=1.1)
     monkeypatch.setattr(problems_bar, "find_problems", lambda _session: [made, lips])
     trigger_enabled(window, "accept_fix")

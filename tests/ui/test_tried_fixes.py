@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
-from support.windows import Bench, editor_of, session_of, trigger_enabled, with_problems
+from support.windows import (
+    Bench,
+    await_trial,
+    editor_of,
+    session_of,
+    trigger_enabled,
+    with_problems,
+)
 
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -30,11 +37,6 @@ def window(bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Mai
     return window
 
 
-def wait(bench: Bench, window: MainWindow) -> None:
-    """Until the fixes of the list that is shown have been tried."""
-    bench.qtbot.waitUntil(lambda: not editor_of(window).trials.is_trying)
-
-
 def test_a_fix_that_would_make_another_problem_says_so_and_is_not_ticked(
     bench: Bench, window: MainWindow
 ) -> None:
@@ -42,7 +44,7 @@ def test_a_fix_that_would_make_another_problem_says_so_and_is_not_ticked(
     blink, lips = editor.problems.problems
     rows = editor.problem_list
     trigger_enabled(window, "list_problems")
-    wait(bench, window)
+    await_trial(bench, window)
     assert rows.chosen == (lips,)
     first = rows.model.index(0, KIND)
     made = rows.model._brought[blink]
@@ -65,25 +67,53 @@ def test_what_the_user_ticks_is_fixed_all_the_same(bench: Bench, window: MainWin
     editor = editor_of(window)
     blink, lips = editor.problems.problems
     trigger_enabled(window, "list_problems")
-    wait(bench, window)
+    await_trial(bench, window)
     trigger_enabled(window, "next_problem", "tick_problem", "fix_all")
     assert editor.problem_list.chosen == (blink, lips)
     trigger_enabled(window, "accept_fix")
     assert session_of(window).edits == (*blink.fix, *lips.fix)
 
 
-def test_a_proposal_made_before_the_fixes_were_tried_is_corrected(
+def test_what_is_accepted_while_the_fixes_are_tried_is_made_after_that(
     bench: Bench, window: MainWindow
 ) -> None:
+    """A fix that would make another problem is unticked by then."""
     editor, session = editor_of(window), session_of(window)
     blink, lips = editor.problems.problems
     trigger_enabled(window, "fix_all")
     assert "trying" in editor.proposal.text.toolTip()
     assert editor.problem_list.chosen == (blink, lips)
-    wait(bench, window)
-    assert editor.problem_list.chosen == (lips,)
-    trigger_enabled(window, "accept_fix")
+    trigger_enabled(window, "accept_fix", "accept_fix")
+    assert editor.proposal.text.text().startswith("Trying the fixes…")
+    assert session.edits == ()
+    await_trial(bench, window)
     assert session.edits == lips.fix
+    assert not editor.proposal.is_open
+    assert session.undo_name == "Fix 1 problem"
+
+
+def test_esc_takes_back_what_was_accepted_while_the_fixes_are_tried(
+    bench: Bench, window: MainWindow
+) -> None:
+    editor, session = editor_of(window), session_of(window)
+    trigger_enabled(window, "fix_all", "accept_fix", "discard_fix", "fix_all")
+    await_trial(bench, window)
+    assert session.edits == ()
+    assert editor.proposal.is_open
+    assert editor.proposal.text.text().startswith("Fixes for 1 problem")
+
+
+def test_nothing_is_made_of_fixes_that_all_make_another_problem(
+    bench: Bench, window: MainWindow
+) -> None:
+    editor = editor_of(window)
+    editor.problems.problems = editor.problems.problems[:1]
+    editor.problems.found.emit()
+    trigger_enabled(window, "fix_all", "accept_fix")
+    await_trial(bench, window)
+    assert session_of(window).edits == ()
+    assert not editor.proposal.is_open
+    assert "each fix would make another problem" in window.status.currentMessage()
 
 
 def test_a_gesture_ends_the_trial_and_its_end_begins_another(
@@ -91,7 +121,7 @@ def test_a_gesture_ends_the_trial_and_its_end_begins_another(
 ) -> None:
     editor, session = editor_of(window), session_of(window)
     trigger_enabled(window, "list_problems")
-    wait(bench, window)
+    await_trial(bench, window)
     edit = Edit((LIP_OPENING,), Op.OFFSET, 1.0, 1.4, 0.2, 1.0)
     session.preview(edit)
     assert not editor.trials._tried

@@ -288,7 +288,7 @@ class FixCommands:
     def accept(self) -> None:
         """Accept the proposal; after the fix of one problem, go on to the next."""
         page = self._workspace.page
-        if page is None or not page.proposal.is_open:
+        if page is None or not page.proposal.is_open or page.proposal.waits_for(page.trials):
             return
         count, fixed = len(self._edits), page.proposal.problem
         page.proposal.accept()

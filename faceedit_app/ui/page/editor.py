@@ -227,12 +227,15 @@ class Editor(QWidget):
 
     def _propose_ticked(self, actions: Actions) -> None:
         """Another set of problems is ticked: propose those instead, or nothing if none is."""
-        if not (self.proposal.is_open and self.proposal.is_for_all):
+        proposal, waits = self.proposal, self.proposal.waits
+        if not (proposal.is_open and proposal.is_for_all):
             return
         if self.problem_list.chosen:
             actions["fix_all"].trigger()
-        else:
-            self.proposal.discard()
+            if waits:
+                actions["accept_fix"].trigger()
+        elif proposal.discard() and waits and not self.trials.is_trying:
+            proposal.dropped.emit("Nothing was fixed: each fix would make another problem")
 
     def list_edits(self) -> None:
         """Show the list of edits instead of the list of problems, to set a new edit's strength."""

@@ -12,6 +12,7 @@ from faceedit_app.editing.help.problems import Problem
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, icon_button
+from faceedit_app.ui.page.fix_trials import FixTrials
 from faceedit_app.ui.state.actions import Actions
 from faceedit_app.ui.state.document import Document
 
@@ -23,12 +24,15 @@ class ProposalBar(QFrame):
         problem: the one that it fixes, if it is for a single one.
         is_for_all: whether it fixes the problems that are ticked in the list.
         variation: which of its `variations` is shown, from 0.
+        waits: whether it was accepted, and is made when its fixes have been tried.
 
     Signals:
         toggled(): a proposal was shown or closed.
+        dropped(str): nothing of what was accepted is left, and why.
     """
 
     toggled = Signal()
+    dropped = Signal(str)
 
     def __init__(self, actions: Actions, document: Document) -> None:
         super().__init__()
@@ -36,7 +40,7 @@ class ProposalBar(QFrame):
         self._showing = False  # the current preview is the proposal
         self._name = ""
         self.problem: Problem | None = None
-        self.is_for_all = False
+        self.is_for_all = self.waits = False
         self.variation = 0
         self._variations: tuple[tuple[Edit, ...], ...] = ()
         self.setObjectName("proposal")
@@ -94,9 +98,7 @@ class ProposalBar(QFrame):
         self._name, self.problem = name, problem
         self.is_for_all = problem is None and not variations
         self._variations = wanted
-        self.text.short = short
-        self.text.setText(text)
-        self.text.setToolTip(plain_tip(text))
+        self._say(text, short)
         for step in self._steps:
             step.setVisible(len(self._variations) > 1)
         if not is_shown:
@@ -115,6 +117,17 @@ class ProposalBar(QFrame):
         self._showing = True
         self._document.preview(*self._variations[self.variation])
         self._showing = False
+
+    def waits_for(self, trials: FixTrials) -> bool:
+        """Whether what is accepted now has to wait until it is known which fixes stay ticked."""
+        self.waits = self.is_open and self.is_for_all and trials.is_trying
+        if self.waits:
+            self._say(
+                "Trying the fixes… Those that make no other problem are made after that;"
+                " Esc discards them.",
+                "Trying the fixes…",
+            )
+        return self.waits
 
     def accept(self) -> None:
         """Make the proposed edits as one step."""
@@ -139,7 +152,13 @@ class ProposalBar(QFrame):
         if self.is_open:
             self.discard()
 
+    def _say(self, text: str, short: str) -> None:
+        self.text.short = short
+        self.text.setText(text)
+        self.text.setToolTip(plain_tip(text))
+
     def _close(self) -> None:
+        self.waits = False
         self._show(False)
 
     def _show(self, is_open: bool) -> None:

@@ -200,6 +200,7 @@ class MainWindow(WindowBase):
         self.keys.back.home = page.curves
         self._preferences.restore_panes(page.panes, page.side)
         page.problems.picked.connect(self.commands.fix.go_to)
+        page.proposal.dropped.connect(self.workspace.message)
         page.hints.closed.connect(page.curves.setFocus)
         page.hints.began.connect(self.commands.file.character.make_room_for_hints)
         page.hints.closed.connect(self.commands.file.character.hints_closed)
