@@ -57,7 +57,7 @@ def test_a_range_in_timecode_is_not_cut(window: MainWindow) -> None:
     panel = panel_of(window)
     index, metrics = panel.model.index(0), panel.list.fontMetrics()
     when, *others = index.data(COLUMNS)
-    assert when == "12:00:00:30 – 00:00:48"
+    assert when == "12:00:00:30 – 12:00:00:48"
     for width in (403, 900):
         row = QRectF(0, 0, width, 25)
         ranged = range_width(row, metrics, when)

@@ -294,9 +294,6 @@ def columns(
         tail = " s"
     else:
         start, end = (label(clip, seconds, unit) for seconds in ends)
-        hour = start[: start.find(":") + 1]
-        if start != end and unit is Unit.TIMECODE and end.startswith(hour):
-            end = end.removeprefix(hour)  # once is enough
         tail = ""
     return (
         f"{start}{tail}" if start == end else f"{start} – {end}{tail}",
