@@ -58,6 +58,25 @@ def test_what_is_no_number_changes_nothing(qtbot: QtBot) -> None:
     assert type_into(box, "0.126") == 0.13, "more digits are rounded"
 
 
+@pytest.mark.parametrize(
+    ("suffix", "typed"), [(" %", "50 %"), (" %", "50%"), (" mm", "50 mm"), ("°", "50°"), ("", "50")]
+)
+def test_a_unit_that_is_typed_is_not_shown_twice(qtbot: QtBot, suffix: str, typed: str) -> None:
+    box = NumberBox()
+    qtbot.addWidget(box)
+    box.setRange(0, 500)
+    box.setDecimals(0)
+    box.setSuffix(suffix)
+    box.selectAll()
+    QTest.keyClicks(box, typed)
+    assert box.text() == f"50{suffix}"
+    QTest.keyClick(box, Qt.Key.Key_Backspace)
+    assert box.text() == f"5{suffix}", "the number goes on being typed before the unit"
+    QTest.keyClicks(box, "1")
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    assert box.value() == 51
+
+
 @pytest.mark.parametrize("x", [4, 18])
 def test_a_double_click_selects_the_whole_number(qtbot: QtBot, x: int) -> None:
     box = NumberBox()

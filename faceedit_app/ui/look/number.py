@@ -78,9 +78,23 @@ class NumberBox(QDoubleSpinBox):
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         """Let anything be typed; only what can be taken is acceptable."""
+        text, position = self._with_one_unit(text, position)
         wrong = not self._is_special(text) and self.why_not(text)
         state = QValidator.State.Intermediate if wrong else QValidator.State.Acceptable
         return state, text, position
+
+    def _with_one_unit(self, text: str, position: int) -> tuple[str, int]:
+        """A text without the unit that was typed before the one that stands there, and the cursor.
+
+        The cursor stays in front of the unit, where Qt keeps it.
+        """
+        unit, number = self.suffix().strip(), text.removesuffix(self.suffix()).rstrip()
+        if not unit or text.strip() == number or not number.endswith(unit):
+            return text, position
+        number = number.removesuffix(unit).rstrip()
+        if _NUMBER.fullmatch(number) is None:
+            return text, position
+        return number + self.suffix(), min(position, len(number))
 
     def valueFromText(self, text: str) -> float:
         """The number that was typed."""
