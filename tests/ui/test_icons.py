@@ -11,6 +11,7 @@ from support.theme import themed
 
 from faceedit_app.ui.commands.menus import MENUS
 from faceedit_app.ui.look import icons
+from faceedit_app.ui.look.palette import FAINT, TEXT
 
 NAMES = sorted(path.stem for path in icons.icon_file("x").parent.glob("*.svg"))
 
@@ -40,7 +41,7 @@ def test_files_are_drawings_in_the_colour_asked_for(qapp: QApplication, name: st
         if key in ("fill", "stroke") and value != "none"
     }
     # The style sheet cannot ask for a colour.
-    if name in (icons.APP_ICON, "list_arrow", "menu_tick"):
+    if name in (icons.APP_ICON, "list_arrow", "menu_tick", "menu_tick_disabled"):
         assert "currentColor" not in colors
         return
     assert colors == {"currentColor"}
@@ -70,3 +71,16 @@ def test_menus_show_what_is_on_with_and_without_an_icon(qapp: QApplication) -> N
             menu.adjustSize()
             pictures.append(menu.grab(menu.actionGeometry(action)).toImage())
         assert pictures[0] != pictures[1], name or "without an icon"
+
+
+def test_the_tick_of_what_is_disabled_is_as_dim_as_its_icon_would_be(qapp: QApplication) -> None:
+    themed()
+    menu = QMenu()
+    action = menu.addAction("")  # nothing but the tick
+    action.setCheckable(True)
+    action.setChecked(True)
+    for is_enabled, color in ((True, TEXT), (False, FAINT)):
+        action.setEnabled(is_enabled)
+        menu.adjustSize()
+        drawn = menu.grab(menu.actionGeometry(action))
+        assert max(inks(drawn), key=lambda ink: QColor(ink).lightness()) == color

@@ -1,8 +1,8 @@
 """The icons: the SVG files in `icons/`, drawn in the window's colours and sharp on every screen.
 
 Each is drawn on a grid of 16 by 16 units in `currentColor`, which is replaced by the colour
-asked for. `faceedit.svg`, the application's icon, and `list_arrow.svg` and `menu_tick.svg`, which
-the style sheet uses, are in their own colours.
+asked for. `faceedit.svg`, the application's icon, and `list_arrow.svg`, `menu_tick.svg` and
+`menu_tick_disabled.svg`, which the style sheet uses, are in their own colours.
 """
 
 from __future__ import annotations

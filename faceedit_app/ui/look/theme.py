@@ -27,6 +27,7 @@ MARGIN = 10  # pixels from a bar's edge to its content
 
 _TICK = icon_file("tick").as_posix()  # black, on the accent
 _MENU_TICK = icon_file("menu_tick").as_posix()  # Qt's own is ragged on fine screens
+_DIM_TICK = icon_file("menu_tick_disabled").as_posix()
 _ARROW = icon_file("list_arrow").as_posix()  # of lists that are not our own, as in file dialogs
 
 _STYLE = f"""
@@ -48,6 +49,7 @@ QMenu::icon:checked {{
 QMenu::icon:checked:disabled {{ background: transparent; border-color: {FAINT}; }}
 QMenu::indicator {{ width: 16px; height: 16px; padding-left: 4px; }}
 QMenu::indicator:checked {{ image: url("{_MENU_TICK}"); }}
+QMenu::indicator:checked:disabled {{ image: url("{_DIM_TICK}"); }}
 QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {BORDER}; padding: 4px 6px; }}
 
 QWidget#bar {{ background: {PANEL}; }}
