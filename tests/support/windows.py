@@ -11,7 +11,7 @@ import pytest
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QApplication, QSlider, QWidget
 from pytestqt.qtbot import QtBot
 
 from faceedit_app import render
@@ -304,6 +304,13 @@ def with_problems(bench: Bench, monkeypatch: pytest.MonkeyPatch, folder: Path) -
 def await_trial(bench: Bench, window: MainWindow) -> None:
     """Wait until the fixes of the problems in the list have been tried."""
     bench.qtbot.waitUntil(lambda: not editor_of(window).trials.is_trying)
+
+
+def double_click(slider: QSlider) -> None:
+    """At its right end, as Qt reports it: the first click is one of its own."""
+    end = QPoint(slider.width() - 3, slider.height() // 2)
+    for click in (QTest.mouseClick, QTest.mouseDClick):
+        click(slider, Qt.MouseButton.LeftButton, pos=end)
 
 
 def with_undone_slider(bench: Bench) -> MainWindow:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QAbstractButton, QMenu, QPushButton, QToolButton
 from support.windows import (
     Bench,
     add_edit,
+    double_click,
     editor_of,
     session_of,
     trigger_enabled,
@@ -109,6 +110,10 @@ def test_the_expression_slider_is_tried_out_live(window: MainWindow) -> None:
     assert session.asked[100, column] != session.tracked[100, column]
     trigger_enabled(window, "undo", "expression")
     dialog = next(d for d in window.findChildren(SliderDialog) if d.isVisible())
+    dialog.slider.setValue(90)
+    dialog.preview()
+    double_click(dialog.slider)
+    assert dialog.slider.value() == 0
     dialog.slider.setValue(90)
     dialog.preview()
     dialog.reject()

@@ -11,6 +11,7 @@ from support.films import make_wav
 from support.windows import (
     Bench,
     add_edit,
+    double_click,
     drag_curve,
     editor_of,
     press_key,
@@ -199,8 +200,7 @@ def test_a_double_click_on_a_slider_goes_back_to_its_start(window: MainWindow, w
     assert slider.value() > start
     slider.left.emit()
     for _ in range(2):  # from elsewhere, and from its start
-        QTest.mouseClick(slider, Qt.MouseButton.LeftButton, pos=end)
-        QTest.mouseDClick(slider, Qt.MouseButton.LeftButton, pos=end)
+        double_click(slider)
         assert (slider.value(), session.state) == (start, before)
     trigger(window, "undo")
     assert slider.value() == start + 10, "it is one step"

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from support.films import make_film, make_wav
 from support.media import FakeOutput, shown, with_media
-from support.windows import Bench, trigger
+from support.windows import Bench, double_click, editor_of, trigger
 
 from faceedit_app.core.errors import Unavailable
 from faceedit_app.media import output
 from faceedit_app.media.output import DeviceClock
 from faceedit_app.media.sound import Sound
+from faceedit_app.ui.look.gesture_slider import Slider
 
 
 def test_the_playhead_and_the_film_follow_what_is_heard(
@@ -52,6 +53,9 @@ def test_mute_and_volume(bench: Bench, devices: list[FakeOutput]) -> None:
     assert bench.preferences().volume() == (0.5, True)
     again = bench.window()
     assert (again.sound_player.volume, again.sound_player.muted) == (0.5, True)
+    window.sound_player.set_volume(0.3)
+    double_click(editor_of(window).transport.findChildren(Slider)[0])
+    assert devices[0].volume == 1.0
 
 
 def test_without_a_device_the_take_is_played_in_silence(

@@ -24,13 +24,13 @@ from support.curves import (
 )
 from support.rigs import tiny_session
 from support.waiting import run_events
-from support.windows import Bench
+from support.windows import Bench, double_click
 
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.gestures import moved_together
-from faceedit_app.ui.state.tools import Tool
+from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, Tool
 
 LEFT_EYE = CONTROL_INDEX["left_eyelid"]
 
@@ -200,6 +200,9 @@ def test_tools_by_their_keys_and_buttons(bench: Bench) -> None:
     assert not window.editor.tool_bar.smooth.isVisible()
     window.actions_["tool_smooth"].trigger()
     assert window.editor.tool_bar.smooth.isVisible()
+    window.tools.set_smooth(0.2)
+    double_click(window.editor.tool_bar.smooth)
+    assert window.tools.smooth == DEFAULT_SMOOTH
     window.actions_["link"].trigger()
     assert not window.tools.linked
     assert not window.actions_["link"].isChecked()

@@ -13,12 +13,12 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QHBoxLayout,
     QLabel,
-    QSlider,
     QVBoxLayout,
     QWidget,
 )
 
 from faceedit_app.ui.edits.preview_dialog import PreviewDialog
+from faceedit_app.ui.look.gesture_slider import Slider
 from faceedit_app.ui.look.icons import picture
 from faceedit_app.ui.look.palette import ACCENT
 from faceedit_app.ui.state.document import Document
@@ -71,9 +71,7 @@ class SliderDialog(PreviewDialog):
         self._left, self._right = left, right
         self._cost = 0.0
         self.setWindowTitle(title)
-        self.slider = QSlider(Qt.Orientation.Horizontal)
-        self.slider.setRange(-STRONGEST, STRONGEST)
-        self.slider.setPageStep(25)
+        self.slider = Slider(-STRONGEST, STRONGEST, start=0, page=25)
         self.slider.setAccessibleName(title)
         self.slider.setMinimumWidth(320)
         self.words = QLabel()

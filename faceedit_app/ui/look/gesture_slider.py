@@ -1,4 +1,4 @@
-"""A slider that distinguishes drags from steps."""
+"""Sliders: a double click goes back to the start; one distinguishes drags from steps."""
 
 from __future__ import annotations
 
@@ -7,11 +7,27 @@ from PySide6.QtGui import QFocusEvent, QMouseEvent
 from PySide6.QtWidgets import QSlider
 
 
-class GestureSlider(QSlider):
-    """A horizontal slider that reports where each gesture ends.
+class Slider(QSlider):
+    """A horizontal slider; a double click goes back to where it starts."""
 
-    A click does not take the focus, so that the arrows still move the playhead. A double click goes
-    back to where the slider starts; the steps that its first click made may be merged with it.
+    def __init__(self, lowest: int, highest: int, *, start: int, page: int = 10) -> None:
+        super().__init__(Qt.Orientation.Horizontal)
+        self._start = start
+        self.setRange(lowest, highest)
+        self.setPageStep(page)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Go back to the start; Qt would press again."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.setValue(self._start)
+        event.accept()
+
+
+class GestureSlider(Slider):
+    """A slider that reports where each gesture ends.
+
+    A click does not take the focus, so that the arrows still move the playhead. The steps that the
+    first click of a double click made may be merged with it.
 
     Signals:
         dragged(int): the handle moved and is still held; `sliderReleased` ends the drag.
@@ -25,10 +41,7 @@ class GestureSlider(QSlider):
     left = Signal()
 
     def __init__(self, lowest: int, highest: int, width: int, start: int) -> None:
-        super().__init__(Qt.Orientation.Horizontal)
-        self._start = start
-        self.setRange(lowest, highest)
-        self.setPageStep(10)
+        super().__init__(lowest, highest, start=start)
         self.setFixedWidth(width)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.valueChanged.connect(self._moved)
@@ -46,12 +59,6 @@ class GestureSlider(QSlider):
         """Begin a new drag; the release of a cancelled one may have been lost."""
         self._is_dropped = False
         super().mousePressEvent(event)
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Go back to where the slider starts; Qt would press again."""
-        if event.button() == Qt.MouseButton.LeftButton:
-            self.setValue(self._start)
-        event.accept()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Move the handle, unless the drag was cancelled."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QHBoxLayout, QSlider, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QWidget
 
+from faceedit_app.ui.look.gesture_slider import Slider
 from faceedit_app.ui.look.icons import icon
 from faceedit_app.ui.look.palette import MUTED
 from faceedit_app.ui.look.texts import plain_tip
@@ -25,9 +26,7 @@ class Volume(QWidget):
         self._tip = tip_of(mute)
         self._icons = {False: icon("sound"), True: icon("muted", MUTED)}
         self.button = icon_button(mute)
-        self.slider = QSlider(Qt.Orientation.Horizontal)
-        self.slider.setRange(0, 100)
-        self.slider.setPageStep(10)
+        self.slider = Slider(0, 100, start=100)
         self.slider.setFixedWidth(72)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setAccessibleName("Volume")

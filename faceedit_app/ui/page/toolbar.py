@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import QAction, QCursor, QResizeEvent
-from PySide6.QtWidgets import QLayout, QMenu, QSlider, QToolButton, QWidget
+from PySide6.QtWidgets import QLayout, QMenu, QToolButton, QWidget
 
 from faceedit_app.editing.help.presets import shipped_presets
+from faceedit_app.ui.look.gesture_slider import Slider
 from faceedit_app.ui.look.widgets import bar_row, caption, divider, icon_button
 from faceedit_app.ui.state.actions import Actions
-from faceedit_app.ui.state.tools import SMOOTH_RANGE, Tool, Tools
+from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, SMOOTH_RANGE, Tool, Tools
 
 
 class ToolBar(QWidget):
@@ -44,10 +45,9 @@ class ToolBar(QWidget):
         tools.changed.connect(self.sync)
         self.sync()
 
-    def _slider(self) -> QSlider:
-        slider = QSlider(Qt.Orientation.Horizontal)
-        slider.setRange(*(round(1000 * seconds) for seconds in SMOOTH_RANGE))
-        slider.setPageStep(50)
+    def _slider(self) -> Slider:
+        low, high, start = (round(1000 * seconds) for seconds in (*SMOOTH_RANGE, DEFAULT_SMOOTH))
+        slider = Slider(low, high, start=start, page=50)
         slider.setFixedWidth(80)
         slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         slider.setToolTip("Smoothing: over how many milliseconds the Smooth tool smooths")
