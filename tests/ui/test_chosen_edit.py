@@ -8,7 +8,15 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from support.curves import drag, place, turn
-from support.windows import Bench, drag_curve, editor_of, press_key, session_of, trigger
+from support.windows import (
+    Bench,
+    drag_curve,
+    editor_of,
+    press_key,
+    session_of,
+    trigger,
+    trigger_enabled,
+)
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
@@ -117,6 +125,32 @@ def test_the_curve_of_the_chosen_edit_changes_it(window: MainWindow) -> None:
     trigger(window, "undo")
     assert session.edits == ()
     assert window.timeline.selection is None, "its handles go with it"
+    trigger(window, "redo")
+    (first,) = session_of(window).edits
+    assert editor_of(window).edits.chosen_edit == (0, first)
+    assert window.timeline.shows_edit, "they come back with it"
+    trigger(window, "redo")
+    assert editor_of(window).edits.chosen_edit == (0, edit)
+
+
+def test_redo_chooses_what_was_chosen_when_it_was_undone(window: MainWindow) -> None:
+    """Not an edit that was there all the while, nor one instead of what was chosen meanwhile."""
+    panel, session = editor_of(window).edits, session_of(window)
+    trigger_enabled(window, "fix_smile")
+    panel.leave()
+    trigger_enabled(window, "fix_sad_mouth")
+    trigger_enabled(window, "undo", "undo", "redo")
+    assert (len(session.edits), panel.rows) == (1, [])
+    trigger_enabled(window, "redo")
+    assert panel.rows == [1, 2]
+    assert window.timeline.shows_edit
+    trigger_enabled(window, "undo")
+    panel.select(0)
+    trigger_enabled(window, "redo")
+    assert panel.rows == [0]
+    panel.select(2)
+    trigger_enabled(window, "delete_edit", "undo")
+    assert panel.rows == [1], "the next one had been chosen"
 
 
 @pytest.mark.parametrize(("row", "seconds"), [(0, 2.0), (0, 1.1), (1, 1.0)])

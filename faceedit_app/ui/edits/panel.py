@@ -21,6 +21,7 @@ from faceedit_app.editing.help.retime import reshaped
 from faceedit_app.ui.edits.delegate import STRONGEST, EditsDelegate, RowField
 from faceedit_app.ui.edits.model import EditsModel
 from faceedit_app.ui.edits.rows import EditRows
+from faceedit_app.ui.edits.undone import UndoneChoice
 from faceedit_app.ui.look.gesture_slider import GestureSlider
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import caption, context_menu, icon_button
@@ -59,6 +60,7 @@ class EditsPanel(QWidget):
         self._is_reshaped = False  # the selected edit; the preview is its new range
         self._moved_to: int | None = None  # row to which the selected edit is being moved
         self._is_new = False  # the selected edits have just been made
+        self._undone = UndoneChoice(document)
         self.reshaping: Callable[[], bool] = lambda: False  # edges belong to the selected edit
         self._build()
         selection = self.list.selectionModel()
@@ -142,8 +144,12 @@ class EditsPanel(QWidget):
 
     def select_new(self, count: int = 1) -> None:
         """Select the newest edits, so that their range and strength can be changed at once."""
-        self._select_quietly(range(max(len(self.model.edits) - count, 0), len(self.model.edits)))
+        self._choose(range(max(len(self.model.edits) - count, 0), len(self.model.edits)))
         self._is_new = True
+
+    def _choose(self, rows: Sequence[int]) -> None:
+        """Select edits, and show their handles."""
+        self._select_quietly(rows)
         if self.bound == self.rows:  # edits in several places have no handles in common
             self._show_handles()
 
@@ -188,10 +194,13 @@ class EditsPanel(QWidget):
         if typed:  # the text field is gone, and Qt would focus the next widget
             self.list.setFocus()
         if self.current is None:
+            self._undone.lose()
             self._leave(is_undone=True)
         self._pages.setCurrentIndex(1 if self.model.edits else 0)
         self._sync()
-        if self.is_tied:  # undo may have changed its range
+        if self.current is None and (back := self._undone.back(self.model.edits)):
+            self._choose(back)
+        elif self.is_tied:  # undo may have changed its range
             self._show_handles()
 
     def _hide_rows(self) -> None:
@@ -273,6 +282,7 @@ class EditsPanel(QWidget):
 
     def _sync(self) -> None:
         row = self.current
+        self._undone.note(self.model.edits, self.rows)
         self.selected.emit()
         self.strength.setEnabled(row is not None)
         self.done.setVisible(row is not None)
@@ -350,8 +360,7 @@ class EditsPanel(QWidget):
             name = f"Delete {self.model.counted(rows)}"
             self._document.act(lambda session: session.remove(*rows, name=name))
             if left := len(self.model.edits):  # choose the next one, wherever in the take it is
-                self._select_quietly([min(rows[0], left - 1)])
-                self._show_handles()
+                self._choose([min(rows[0], left - 1)])
             else:
                 self.select(None)
 
@@ -384,8 +393,7 @@ class EditsPanel(QWidget):
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Show the menu of the edit under the pointer."""
         if self.current is not None:
-            menu = context_menu(self, [self._actions[name] for name in MENU])
-            menu.popup(event.globalPos())
+            context_menu(self, [self._actions[name] for name in MENU]).popup(event.globalPos())
 
 
 def _range(edit: Edit) -> tuple[float, float, float, float]:
