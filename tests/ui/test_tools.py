@@ -83,6 +83,28 @@ def test_several_curves_are_chosen_by_ctrl_click(panel: CurvesPanel) -> None:
     assert panel.focused_control == "left_corner"
 
 
+def test_the_curve_whose_name_was_clicked_is_the_first_that_ctrl_click_chooses(
+    panel: CurvesPanel,
+) -> None:
+    QTest.mouseClick(panel.headers[0], LEFT)
+    assert panel.chosen_controls == ()
+    QTest.mouseClick(panel.headers[4], LEFT, CTRL)
+    assert panel.chosen_controls == ("mouth_opening", "upper_lip")
+    for index in (0, 4, 2):  # the click counts only once
+        QTest.mouseClick(panel.headers[index], LEFT, CTRL)
+    assert panel.chosen_controls == ("left_corner",)
+    for between in ("focus", "take", "nothing"):
+        panel.focus_curve(1)
+        QTest.mouseClick(panel.headers[0], LEFT)
+        if between == "focus":
+            panel.focus_curve(1)
+        elif between == "take":
+            panel.set_session(panel.session)
+        QTest.mouseClick(panel.headers[4], LEFT, CTRL)
+        expected = ("mouth_opening",) if between == "nothing" else ()
+        assert panel.chosen_controls == (*expected, "upper_lip"), between
+
+
 # --- snapping ----------------------------------------------------------------------------------
 
 

@@ -9,10 +9,11 @@ from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QStackedWidget, QVBoxLayout, QWidget
 
-from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, CONTROLS
+from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS
 from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.chosen_curves import ChosenCurves
 from faceedit_app.ui.curves.gestures import CurveDrag
 from faceedit_app.ui.curves.group_head import GroupHead
 from faceedit_app.ui.curves.hand import FaceHand
@@ -82,6 +83,7 @@ class CurvesPanel(QWidget):
         self._grid = self._build()
         self.plots = [CurvePlot(control, timeline, self._mouse) for control in CONTROLS]
         self.headers = [Header(control) for control in CONTROLS]
+        self._chosen = ChosenCurves(self.headers, self._mouse, self._show_state)
         self.group_head = GroupHead()
         self._rows = CurveRows(self.headers, self.plots, self.group_head, self._grid.parentWidget())
         self._grid.addWidget(self._rows, 3, 0, 1, 3)
@@ -165,7 +167,7 @@ class CurvesPanel(QWidget):
     @property
     def chosen_controls(self) -> tuple[str, ...]:
         """Ids of the curves chosen to be edited together; empty if none."""
-        return tuple(c for c in CONTROL_IDS if c in self._mouse.chosen)
+        return self._chosen.controls
 
     @property
     def focused_control(self) -> str | None:
@@ -194,13 +196,7 @@ class CurvesPanel(QWidget):
 
     def choose_focused(self) -> None:
         """Choose the focused curve, or remove it from the chosen ones."""
-        self._choose(self._mouse.chosen ^ {self._focused.control.id})
-
-    def _choose(self, chosen: frozenset[str]) -> None:
-        self._mouse.chosen = chosen
-        for header in self.headers:
-            header.show_chosen(header.control.id in chosen)
-        self._show_state()
+        self._chosen.toggle(self._focused.control.id)
 
     # --- which curves are shown --------------------------------------------------------------
 
@@ -219,7 +215,7 @@ class CurvesPanel(QWidget):
             self._read_curves()
             self._look()
             self._fit_axes()
-        self._choose(self._mouse.chosen & self.shown.controls)
+        self._chosen.keep(self.shown.controls)
 
     def _read_curves(self) -> None:
         assert self.session is not None
@@ -258,6 +254,7 @@ class CurvesPanel(QWidget):
     def set_session(self, session: EditSession | None) -> None:
         """Show another take, or none."""
         self._mouse.cancel()
+        self._chosen.forget_click()
         self.session = self._mouse.session = session
         self._curves = self._axes.curves = None
         clip = session.take.clip if session is not None else None
@@ -324,12 +321,14 @@ class CurvesPanel(QWidget):
     def _focus_moved(self, plot: CurvePlot) -> None:
         if plot.shows_focus:
             self._mouse.focused = plot.control.id
+        if not plot.hasFocus():
+            self._chosen.leave(plot.control.id)
         self._show_state()
 
     def _pick(self, plot: CurvePlot, add: bool) -> None:
         """A click on a name focuses its curve; with Ctrl it chooses the curve, or removes it."""
+        self._chosen.pick(plot.control.id, add)
         self._take_focus(plot)
-        self._choose(self._mouse.chosen ^ {plot.control.id} if add else frozenset())
 
     def _ask_curve_menu(self, plot: CurvePlot, seconds: float, place: QPoint) -> None:
         """Make the menu act on this curve at this time, or on the selection around it."""
