@@ -65,6 +65,27 @@ def test_a_project_comes_back_as_it_was(bench: Bench) -> None:
     assert [path.name for path in bench.preferences().recent()] == ["scene.faceedit", "take.csv"]
 
 
+@pytest.mark.parametrize("ending", [".bak", ".bak2"])
+def test_a_kept_copy_of_a_project_opens_and_nothing_is_saved_over_it(
+    bench: Bench, ending: str
+) -> None:
+    path = saved_project(bench)
+    kept = path.rename(path.with_name(f"scene.faceedit{ending}"))
+    before = kept.read_bytes()
+    window = open_again(bench, kept)
+    assert [edit.name for edit in session_of(window).edits] == ["wider"]
+    assert window.timeline.selection == pytest.approx((1.0, 2.0))
+    assert "is open as a copy" in window.status.currentMessage()
+    assert window.isWindowModified(), "it is in no project yet"
+    again = bench.answers["save_project"] = bench.folder / "again.faceedit"
+    window.actions_["save"].trigger()
+    assert not bench.answers, "it asks for a name"
+    assert window.document.project == again
+    assert not window.isWindowModified()
+    assert kept.read_bytes() == before
+    assert kept not in bench.preferences().recent()
+
+
 def test_save_again_does_not_ask(bench: Bench) -> None:
     path = saved_project(bench)
     window = open_again(bench, path)

@@ -15,7 +15,7 @@ from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.resources import DEMO_TAKE, is_demo_take, shipped
-from faceedit_app.editing.files import PROJECT_SUFFIX
+from faceedit_app.editing.files import PROJECT_SUFFIX, is_named_as_project
 from faceedit_app.formats.timing import counted
 from faceedit_app.media import is_film
 from faceedit_app.ui.commands import conditions as c
@@ -74,7 +74,7 @@ class FileCommands:
         if self._is_refused(path):
             return
         # A project comes with its character.
-        is_project = path.suffix.lower() == PROJECT_SUFFIX
+        is_project = is_named_as_project(path)
         if self.may_close() and (not is_project or self.character.may_leave()):
             self.open(path)
 
@@ -88,7 +88,7 @@ class FileCommands:
         if is_film(path):
             return self._is_no_film(path)
         try:
-            if not may_hold_character(path) and path.suffix.lower() != PROJECT_SUFFIX:
+            if not may_hold_character(path) and not is_named_as_project(path):
                 from faceedit_app.formats.registry import check_start
 
                 check_start(path)
@@ -122,7 +122,7 @@ class FileCommands:
             if not is_take(path):
                 self.character.open_if_saved(path)
                 return
-        if path.suffix.lower() != PROJECT_SUFFIX:
+        if not is_named_as_project(path):
             self._workspace.opener.open(path)
             return
         from faceedit_app.ui.commands import projects

@@ -44,9 +44,9 @@ def takes() -> str:
 
 
 def all_that_opens() -> str:
-    """What Open accepts: takes, projects, and films, which are tracked."""
-    films = _patterns(FILM_ENDINGS)
-    return f"Takes, projects and films ({takes_pattern()} *{PROJECT_SUFFIX} {films});;{_ALL}"
+    """What Open accepts: takes, projects and kept copies of them, and films, which are tracked."""
+    films, projects = _patterns(FILM_ENDINGS), f"*{PROJECT_SUFFIX} *{PROJECT_SUFFIX}.bak*"
+    return f"Takes, projects and films ({takes_pattern()} {projects} {films});;{_ALL}"
 
 
 def characters() -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
+from faceedit_app.editing.files import is_kept_project
 from faceedit_app.editing.files.fingerprint import KnownFile, known
 from faceedit_app.editing.files.pending import Pending
 from faceedit_app.editing.files.project import (
@@ -77,6 +78,9 @@ def open_project(
 ) -> None:
     """Read a project in the background, find its take, and open it.
 
+    The copy of a project that was replaced opens as work that is not saved in any project yet:
+    nothing is saved over it.
+
     Args:
         ask: which file is the take, where that is in doubt; given why it is, and likely ones.
         failed: is given the error of a project that cannot be read.
@@ -96,7 +100,8 @@ def open_project(
         # Where the take was found, it is found again: without a choice there is nothing to save.
         was_found = located.where in (Whereabouts.FOUND, Whereabouts.MOVED)
         _open_take(workspace, project, file, take, was_found, _note_of(located))
-        workspace.preferences.add_recent(path)
+        if not is_kept_project(path):
+            workspace.preferences.add_recent(path)
 
     def report(error: Exception) -> None:
         workspace.opener.reading.emit("")
@@ -144,22 +149,26 @@ def _open_take(
         note: a warning once it is open; "" for none.
     """
 
+    own = None if is_kept_project(file.path) else file
+
     def prepare(session: EditSession) -> None:
         # What stands beside the take by chance is not the project's.
         media = Placement(project.audio, project.film)
         session.begin_with(replace(project.state, media=media))
         if take == project.take:
             session.exported_over = project.exported_over
-        if was_found:
+        if was_found and own is not None:
             session.mark_saved()
 
     def opened() -> None:
+        if own is None:
+            workspace.message.emit(f"{file.path.name} is open as a copy: Save asks for its name")
         if note:
             workspace.warning.emit(note)
         restore_view(workspace, project.view)
         _open_character(workspace, project.character, file.path)
 
-    workspace.opener.open(take, prepare, opened, file, project.fps)
+    workspace.opener.open(take, prepare, opened, own, project.fps)
 
 
 def _open_character(workspace: Workspace, wanted: CharacterFile | None, path: Path) -> None:
