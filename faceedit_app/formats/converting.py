@@ -112,23 +112,24 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
     """
     if lost is None or filled is None:
         return clip
-    places, faces = lost.with_faces(filled)
-    if not len(places):
+    found = lost.with_faces(filled, clip)
+    if not len(found):
         return clip
-    order = np.argsort(np.concatenate([np.arange(len(clip)), places]), kind="stable")
-    after = np.ceil(places).astype(int)
-    share = (places - (after - 1))[:, None]
+    order = np.argsort(
+        np.concatenate([np.arange(len(clip)), found.before + found.share]), kind="stable"
+    )
+    share = found.share[:, None]
 
     def joined(values: Floats, new: Floats | None = None) -> Floats:
         if new is None:
-            new = (1 - share) * values[after - 1] + share * values[after]
-        return np.concatenate([values, new.astype(np.float32)])[order]
+            mixed = (1 - share) * values[found.before] + share * values[found.before + 1]
+            new = mixed.astype(np.float32)
+        return np.concatenate([values, new.astype(np.float32, copy=False)])[order]
 
-    times = np.interp(places, np.arange(len(clip)), clip.times)
-    times = np.concatenate([clip.times, times])[order]
+    times = np.concatenate([clip.times, found.times])[order]
     sure = clip.confidence
     return Clip(
-        weights=joined(clip.weights, faces),
+        weights=joined(clip.weights, found.weights),
         channels=clip.channels,
         times=times,
         rate=clip.rate,
@@ -136,7 +137,7 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
         timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
         rotations=None if clip.rotations is None else joined(clip.rotations),
         rotation_names=clip.rotation_names,
-        confidence=None if sure is None else joined(sure, np.zeros(len(places), np.float32)),
+        confidence=None if sure is None else joined(sure, np.zeros(len(found), np.float32)),
     )
 
 

@@ -10,7 +10,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ROTATIONS
-from faceedit_app.core.arrays import Bools, Doubles, Floats
+from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Times
 from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel, similar_channel
@@ -92,6 +92,26 @@ class FillableSource(Source, Protocol):
         ...
 
 
+@dataclass(frozen=True, eq=False)
+class RowsBetween:
+    """Rows of a file that lie between the frames of a clip, in order of time.
+
+    Attributes:
+        weights: (M, K) of the clip's channels.
+        times: (M,) seconds.
+        before: (M,) the frame of the clip before each of them.
+        share: (M,) where it lies between that one and the next, 0..1.
+    """
+
+    weights: Floats
+    times: Times
+    before: Indices
+    share: Times
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+
 @dataclass(frozen=True)
 class LostRows:
     """The rows of a file in which the face was lost between two frames.
@@ -102,10 +122,13 @@ class LostRows:
 
     positions: tuple[float, ...]
 
-    def with_faces(self, rows: Floats) -> tuple[Doubles, Floats]:
-        """Where the rows with a face lie, in frames (M,), and these (M, K), of rows (L, K)."""
+    def with_faces(self, rows: Floats, clip: Clip) -> RowsBetween:
+        """Those of the rows (L, K) that have a face, and where they lie in the take's clip."""
         there = have_faces(rows)
-        return np.array(self.positions)[there], rows[there]
+        places = np.array(self.positions)[there]
+        before = np.clip(np.floor(places), 0, len(clip) - 2).astype(np.intp)
+        times = np.interp(places, np.arange(len(clip)), clip.times)
+        return RowsBetween(rows[there], times, before, places - before)
 
 
 def have_faces(rows: Floats) -> Bools:

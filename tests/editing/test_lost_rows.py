@@ -46,6 +46,10 @@ def test_rows_without_a_face_get_one_and_the_motion_runs_through_them(path: Path
     assert len(after) == len(before) + len(LOST)
     found = np.flatnonzero(~np.isin(after.times.round(3), before.times.round(3)))
     assert len(found) == len(LOST)
+    seen = session.filled_frames()
+    assert seen is not None
+    np.testing.assert_allclose(seen.times, after.times[found], atol=1e-3)
+    np.testing.assert_array_equal(seen.before + np.arange(1, len(LOST) + 1), found)
     steps = np.abs(np.diff(after.weights, axis=0)).max(axis=1)
     usual = np.abs(np.diff(before.weights[:110], axis=0)).max()
     assert steps[found[0] - 12 : found[-1] + 12].max() <= 1.5 * usual

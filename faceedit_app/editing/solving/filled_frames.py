@@ -53,11 +53,9 @@ def filled_frames(
     """
     if lost is None or rows is None:
         return None
-    places, faces = lost.with_faces(rows)
-    if not len(places):
+    found = lost.with_faces(rows, clip)
+    if not len(found):
         return None
-    weights = np.zeros((len(places), len(ARKIT_INDEX)), np.float32)
-    weights[:, [ARKIT_INDEX[channel] for channel in clip.channels]] = faces
-    before = np.floor(places).astype(np.intp)
-    times = np.interp(places, np.arange(len(clip)), clip.times)
-    return FilledFrames(times, before, places - before, weights, measure(weights))
+    weights = np.zeros((len(found), len(ARKIT_INDEX)), np.float32)
+    weights[:, [ARKIT_INDEX[channel] for channel in clip.channels]] = found.weights
+    return FilledFrames(found.times, found.before, found.share, weights, measure(weights))
