@@ -37,7 +37,7 @@ from faceedit_app.editing.opening import open_session
 from faceedit_app.ui.curves import CurvesPanel, style
 from faceedit_app.ui.curves.header import UNIT, WIDEST, Layout
 from faceedit_app.ui.curves.legend import Legend
-from faceedit_app.ui.curves.words import CHOSEN_HINT
+from faceedit_app.ui.curves.words import CHOSEN_HINT, note_on
 from faceedit_app.ui.state.timeline import Timeline
 
 
@@ -185,6 +185,22 @@ def test_names_do_not_hop_when_there_is_more_to_say(panel: CurvesPanel) -> None:
     assert name() == bare
 
 
+@pytest.mark.parametrize(
+    ("tracked", "asked", "face", "note"),
+    [
+        (27.3, 27.3, 27.3, ""),
+        (27.3, 30.3, 29.6, "asked 30.3"),
+        (27.3, 30.3, 30.3, "tracked 27.3"),
+        (27.3, 27.3, 27.6, "tracked 27.3"),
+        (27.3, 30.3, 27.3, "asked 30.3"),
+    ],
+)
+def test_a_row_says_what_the_face_misses_or_else_where_it_came_from(
+    tracked: float, asked: float, face: float, note: str
+) -> None:
+    assert note_on(tracked, asked, face) == note
+
+
 def test_names_stand_alike_in_rows_that_differ_by_a_pixel(panel: CurvesPanel) -> None:
     """A height that rows share leaves some of them a pixel more."""
     header = panel.headers[1]
@@ -241,10 +257,11 @@ def test_what_a_header_says_is_neither_cut_nor_overlapping(panel: CurvesPanel) -
 def test_what_reads_the_same_is_not_said_twice(panel: CurvesPanel) -> None:
     session = session_of(panel)
     panel.timeline.go_to_frame(25)
-    asked = round(float(session.tracked[25, 0]) + 3.0, 1)
+    tracked = float(session.tracked[25, 0])
+    asked = round(tracked + 3.0, 1)
     session.asked[25, 0], session.achieved[25, 0] = asked - 0.04, asked + 0.04
     panel._show_state()
-    assert panel.headers[0].note == ""
+    assert panel.headers[0].note == f"tracked {tracked:.1f}"
     session.achieved[25, 0] = asked + 0.06
     panel._show_state()
     assert panel.headers[0].note == f"asked {asked:.1f}"

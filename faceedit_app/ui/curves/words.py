@@ -29,8 +29,8 @@ def length(timeline: Timeline, seconds: float, sign: str = "") -> str:
 
 def note_on(tracked: float, asked: float, face: float) -> str:
     """A note if the face differs from what was asked for, or else from the tracked value."""
-    if abs(asked - tracked) > _APART:
-        return f"asked {one_decimal(asked)}" if _read_apart(asked, face) else ""
+    if abs(asked - tracked) > _APART and _read_apart(asked, face):
+        return f"asked {one_decimal(asked)}"
     return f"tracked {one_decimal(tracked)}" if _read_apart(tracked, face) else ""
 
 
