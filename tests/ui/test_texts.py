@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QLabel, QToolTip
 from support.windows import Bench, add_edit
 
 from faceedit_app.ui.edits.model import EditsModel
-from faceedit_app.ui.look.texts import plain_label, plain_tip
+from faceedit_app.ui.look.texts import name_entry, plain_label, plain_tip
 
 HOSTILE = '<img src="/etc/hostname"><a href="file:///">x</a> & <b>bold</b>'
 
@@ -30,6 +30,14 @@ def visible(tip: str) -> str:
 @pytest.mark.parametrize("text", [HOSTILE, "plain & simple", "two\n<i>lines</i>", ""])
 def test_a_tooltip_shows_a_text_as_it_is(text: str) -> None:
     assert visible(plain_tip(text)) == text
+
+
+def test_a_menu_shows_both_ends_of_a_long_name_and_the_whole_of_a_short_one() -> None:
+    assert name_entry("you & me.csv") == "you && me.csv"
+    long = f"take {'of a long day ' * 20}17.csv"
+    assert len(name_entry(long)) <= 60
+    assert name_entry(long).startswith("take of a")
+    assert name_entry(long).endswith("day 17.csv")
 
 
 def test_a_label_shows_a_text_as_it_is(bench: Bench) -> None:

@@ -12,6 +12,7 @@ from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
+from faceedit_app.ui.look.texts import name_entry
 
 if TYPE_CHECKING:  # they import the loaders of characters
     from faceedit_app.characters.fitted import FittedCharacter
@@ -112,8 +113,8 @@ class CharacterCommands:
         """List the characters that were opened recently and still exist."""
         menu.clear()
         for path in self._workspace.preferences.recent_characters():
-            action = menu.addAction(path.name.replace("&", "&&"))
-            action.setToolTip(str(path))
+            action = menu.addAction(name_entry(path.name))
+            action.setStatusTip(str(path))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent characters").setEnabled(False)

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.commands.file_dialogs import open_name, save_name
-from faceedit_app.ui.look.texts import plain_entry, plain_tip, sentence
+from faceedit_app.ui.look.texts import name_entry, plain_tip, sentence
 from faceedit_app.ui.look.widgets import shown_once
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
@@ -193,7 +193,7 @@ def ask_take_of_project(
     box = _question(parent, message, "Which take should the edits be applied to?")
     role = QMessageBox.ButtonRole
     paths = {
-        box.addButton(f"{use} {plain_entry(path.name)}", role.AcceptRole): path
+        box.addButton(f"{use} {name_entry(path.name)}", role.AcceptRole): path
         for use, path in zip(("&Use", "U&se", "Us&e"), choices, strict=False)
     }
     for button, path in paths.items():

@@ -15,7 +15,7 @@ from faceedit_app.ui.commands import conditions as c
 from faceedit_app.ui.commands.retime import RetimeCommands
 from faceedit_app.ui.commands.splicing import SpliceCommands
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.look.texts import plain_entry
+from faceedit_app.ui.look.texts import name_entry
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver, and before the page
@@ -116,7 +116,8 @@ class EditCommands:
         for step, name in reversed(list(enumerate(names))):
             if not now - MOST_STEPS <= step <= now + MOST_STEPS:
                 continue
-            action = menu.addAction(plain_entry(name))
+            action = menu.addAction(name_entry(name))
+            action.setStatusTip(name)
             action.setCheckable(True)
             action.setChecked(step == now)
             action.triggered.connect(lambda _checked=False, by=step - now: self.travel(by))

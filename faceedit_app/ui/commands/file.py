@@ -25,7 +25,7 @@ from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
 from faceedit_app.ui.commands.webcam import WebcamRecording
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.look.texts import plain_entry, plain_tip
+from faceedit_app.ui.look.texts import name_entry
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # loaded with the first film
@@ -163,8 +163,8 @@ class FileCommands:
         """List the takes and projects that were opened recently and still exist."""
         menu.clear()
         for path in self._preferences.recent():
-            action = menu.addAction(plain_entry(path.name))
-            action.setToolTip(plain_tip(str(path)))
+            action = menu.addAction(name_entry(path.name))
+            action.setStatusTip(str(path))
             action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
         if menu.isEmpty():
             menu.addAction("No recent takes").setEnabled(False)

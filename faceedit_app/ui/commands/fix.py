@@ -27,7 +27,7 @@ from faceedit_app.ui.commands.calibration import CalibrationCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
-from faceedit_app.ui.look.texts import plain_entry, plain_tip
+from faceedit_app.ui.look.texts import name_entry, plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -124,7 +124,7 @@ class FixCommands:
         if own:
             menu.addAction(where_acts(own, self._timeline)[0]).setEnabled(False)
         for preset in own:
-            action = menu.addAction(plain_entry(preset.name))
+            action = menu.addAction(name_entry(preset.name))
             action.setToolTip(plain_tip(preset.hint))
             action.triggered.connect(lambda _checked=False, p=preset: self.apply(p))
         if not own:
@@ -135,7 +135,7 @@ class FixCommands:
             menu.addSeparator()
             delete = menu.addMenu("Delete")
             for preset in own:
-                action = delete.addAction(plain_entry(preset.name))
+                action = delete.addAction(name_entry(preset.name))
                 action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
 
     def save_preset(self) -> None:

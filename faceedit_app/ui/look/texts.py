@@ -9,6 +9,8 @@ from PySide6.QtWidgets import QLabel
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 
+_LONGEST_NAME = 60  # letters: a file name may be longer than the screen is wide
+
 
 def plain_label(text: str = "") -> QLabel:
     """A label that shows any text as it is."""
@@ -57,6 +59,14 @@ def plain_tip(text: str) -> str:
 def plain_entry(text: str) -> str:
     """A menu entry that shows any text as it is: `&` would underline what follows it."""
     return text.replace("&", "&&")
+
+
+def name_entry(name: str) -> str:
+    """A menu entry or button for a name; of a long one, its beginning and its end."""
+    if len(name) > _LONGEST_NAME:
+        side = _LONGEST_NAME // 2
+        name = f"{name[: side - 1].rstrip()}…{name[-side:].lstrip()}"
+    return plain_entry(name)
 
 
 def sentence(text: str) -> str:

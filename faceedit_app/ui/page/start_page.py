@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from faceedit_app.ui.look.icons import picture
 from faceedit_app.ui.look.palette import ACCENT
-from faceedit_app.ui.look.texts import plain_entry, plain_label, plain_tip
+from faceedit_app.ui.look.texts import name_entry, plain_label, plain_tip
 from faceedit_app.ui.look.theme import GAP
 from faceedit_app.ui.state.actions import Actions, shown_keys
 
@@ -119,7 +119,7 @@ class StartPage(QWidget):
             self._recent.addSpacing(GAP)
             self._recent.addWidget(heading)
         for path in takes[:_RECENT_SHOWN]:
-            button = QPushButton(plain_entry(path.name))
+            button = QPushButton(name_entry(path.name))
             button.setObjectName("link")
             button.setToolTip(plain_tip(str(path)))
             button.setAutoDefault(True)
