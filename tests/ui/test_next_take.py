@@ -111,11 +111,13 @@ def test_a_take_that_loads_slowly_clears_the_old_one_and_shows_that_it_loads(
 
     monkeypatch.setattr(loading, "open_session", slowly)
     page, start = window.editor, window.start_page
+    window.banner.offer("The rest is not neutral", "Make it neutral", lambda: None)
     window.commands.file.open(other)
     try:
         assert page.isVisible(), "a quick one changes nothing"
         bench.qtbot.waitUntil(start.isVisible)
         assert not page.isVisible()
+        assert window.banner.isHidden(), "it is about the old take"
         assert other.name in start.loading.text()
     finally:
         may_go_on.set()

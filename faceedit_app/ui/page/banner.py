@@ -41,13 +41,15 @@ class _Message:
 class Banner(QFrame):
     """Shows messages, one a line, until they are dismissed or no longer true.
 
-    A message is about the open take unless it `lasts`: it goes when another take opens.
+    A message is about the open take unless it `lasts`: it goes when another take opens. While that
+    is read and the open one is not shown, the messages are put aside.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self._messages: dict[str, _Message] = {}
         self._offered: tuple[str, Callable[[], None]] | None = None  # message, what can be done
+        self._is_aside = False
         self.setObjectName("banner")
         self._sign = QLabel()
         self.text = plain_label()
@@ -91,6 +93,11 @@ class Banner(QFrame):
     def leave_take(self) -> None:
         """Another take is open: remove what was said about the last one."""
         self._keep(lambda message: message.lasts)
+
+    def put_aside(self, aside: bool) -> None:
+        """Hide the messages for a while, or show them again."""
+        self._is_aside = aside
+        self._show()
 
     def review(self) -> set[str]:
         """The take has changed: remove what is no longer true, and return it."""
@@ -141,7 +148,7 @@ class Banner(QFrame):
         details = (message.detail for message in self._messages.values())
         self.text.setToolTip(plain_tip("\n".join(filter(None, details))))
         self._show_kind()
-        self.setVisible(bool(self._messages))
+        self.setVisible(bool(self._messages) and not self._is_aside)
 
     @property
     def warns(self) -> bool:

@@ -343,6 +343,7 @@ class MainWindow(WindowBase):
     def _clear(self) -> None:
         """Reading takes long: show that instead of the take that it replaces."""
         self._pages.setCurrentWidget(self.start_page)
+        self.banner.put_aside(True)
 
     def _show_reading(self, text: str) -> None:
         self.actions_.refresh()
@@ -351,6 +352,7 @@ class MainWindow(WindowBase):
             # What takes long clears the take that it replaces; if it fails, that one comes back.
             # A character replaces no take.
             self._pages.setCurrentWidget(self.editor)
+            self.banner.put_aside(False)
             if text and self.workspace.opener.is_reading:
                 self._slow_reading.start()
             else:
