@@ -118,7 +118,7 @@ class Overview(QWidget):
             return
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(style.color(style.PLOT_ACTIVE))
+        painter.setBrush(style.color(style.GRID))
         painter.drawRoundedRect(QRectF(self.rect()), 3, 3)
         first, last = (self.x_of(seconds) for seconds in self._timeline.view)
         frame = QRectF(first + 0.5, 0.5, max(last - first - 1.0, 3.0), HEIGHT - 1.0)
