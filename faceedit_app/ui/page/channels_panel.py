@@ -355,6 +355,7 @@ def _by_unit(channels: Sequence[str]) -> list[tuple[str, ...]]:
 def _number(low: float, high: float, step: float, value: float, unit: str, name: str) -> NumberBox:
     """A field for a number."""
     field = NumberBox()
+    field.setAlignment(Qt.AlignmentFlag.AlignCenter)  # as beside the ruler
     field.setRange(low, high)
     field.setSingleStep(step)
     field.setDecimals(0 if step >= 1 else 2)
