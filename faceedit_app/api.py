@@ -15,10 +15,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.characters.fitted import FittedCharacter, open_character
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.atomic import keep_inputs
 from faceedit_app.core.controls import CONTROL_INDEX
@@ -39,6 +39,9 @@ from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import checked_rate
 from faceedit_app.networks.engine import Engine
+
+if TYPE_CHECKING:  # it imports SciPy and trimesh, which takes do not need
+    from faceedit_app.characters.fitted import FittedCharacter
 
 FIXES = {"lips": Kind.LIPS, "blinks": Kind.BLINK, "shaking": Kind.JITTER, "gaps": Kind.DROPPED}
 FALLOFF = 0.2  # seconds
@@ -148,7 +151,12 @@ class Take:
         Raises:
             FaceEditError: it cannot be read, or is not a face.
         """
-        self._character = None if path is None else open_character(file_name(path))
+        if path is None:
+            self._character = None
+        else:
+            from faceedit_app.characters.fitted import open_character
+
+            self._character = open_character(file_name(path))
         self.session.use_character(None if self._character is None else self._character.rig)
         return self
 

@@ -144,6 +144,13 @@ def test_an_import_in_a_function_saves_something(modules: Modules) -> None:
     assert not useless
 
 
+def test_takes_are_exported_without_what_characters_need(modules: Modules) -> None:
+    """It takes longer to import than anything else that a batch or a command does."""
+    loaded = {name.partition(".")[0] for name in modules.loaded("faceedit_app.batch.tasks")}
+    assert "numpy" in loaded
+    assert not {"scipy", "trimesh", "pygltflib"} & loaded
+
+
 def test_what_saves_nothing_is_found(tmp_path: Path) -> None:
     folder = tmp_path / "faceedit_app"
     folder.mkdir()

@@ -1,19 +1,21 @@
-"""The table of formats that hold a character with the animation of a take."""
+"""The table of formats that hold a character with the animation of a take.
+
+Exports of takes need the table as well, so what writes scenes is imported when it is used: it
+brings SciPy, trimesh and pygltflib, which take longer than the rest of an export.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from faceedit_app.characters.fbx_animated import scene_fbx
-from faceedit_app.characters.fitted import FittedCharacter
-from faceedit_app.characters.glb_animated import animate_glb, is_glb, scene_glb
-from faceedit_app.characters.glb_gaze import eye_turns
-from faceedit_app.characters.glb_turning import HeadTurns
-from faceedit_app.characters.scene import Scene, make_scene, shape_weights
-from faceedit_app.characters.usd_animated import scene_usda, scene_usdz
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Rig
+
+if TYPE_CHECKING:
+    from faceedit_app.characters.fitted import FittedCharacter
+    from faceedit_app.characters.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,30 @@ class SceneFormat:
         return (self.ending, self.other_ending) if self.other_ending else (self.ending,)
 
 
+def _glb(scene: Scene, name: str, compact: bool) -> bytes:
+    from faceedit_app.characters.glb_animated import scene_glb
+
+    return scene_glb(scene, name, compact)
+
+
+def _fbx(scene: Scene, name: str, _compact: bool) -> bytes:
+    from faceedit_app.characters.fbx_animated import scene_fbx
+
+    return scene_fbx(scene, name)
+
+
+def _usda(scene: Scene, name: str, _compact: bool) -> bytes:
+    from faceedit_app.characters.usd_animated import scene_usda
+
+    return scene_usda(scene, name)
+
+
+def _usdz(scene: Scene, name: str, _compact: bool) -> bytes:
+    from faceedit_app.characters.usd_animated import scene_usdz
+
+    return scene_usdz(scene, name)
+
+
 # fmt: off
 SCENES: tuple[SceneFormat, ...] = (
     SceneFormat(
@@ -58,7 +84,7 @@ SCENES: tuple[SceneFormat, ...] = (
              "Import Animations switched on"),
             ("Maya", "use FBX instead"),
         ),
-        scene_glb, is_compact=True,
+        _glb, is_compact=True,
     ),
     SceneFormat(
         "fbx", "FBX with character", ".fbx", "Maya, Unreal, Unity, Blender, MotionBuilder",
@@ -70,7 +96,7 @@ SCENES: tuple[SceneFormat, ...] = (
             ("Unity", "drag the file into Assets; in its Rig tab choose Generic"),
             ("Blender", "File > Import > FBX; the scene takes the file's frame rate"),
         ),
-        lambda scene, name, _compact: scene_fbx(scene, name),
+        _fbx,
     ),
     SceneFormat(
         "usd", "USD with character", ".usda", "Maya, Houdini, Omniverse, Blender, Unreal",
@@ -81,7 +107,7 @@ SCENES: tuple[SceneFormat, ...] = (
              "Scene Description"),
             ("Houdini", "load the file with a USD Character Import or a Reference"),
         ),
-        lambda scene, name, _compact: scene_usda(scene, name),
+        _usda,
         other_ending=".usd",  # which may hold text as well
     ),
     SceneFormat(
@@ -92,7 +118,7 @@ SCENES: tuple[SceneFormat, ...] = (
             ("Blender", "set Output > Frame Rate to {rate} first; then File > Import > Universal "
              "Scene Description"),
         ),
-        lambda scene, name, _compact: scene_usdz(scene, name),
+        _usdz,
     ),
 )
 # fmt: on
@@ -122,6 +148,11 @@ def scene_content(
     Raises:
         FileError: the character's file cannot be read.
     """
+    from faceedit_app.characters.glb_animated import animate_glb, is_glb
+    from faceedit_app.characters.glb_gaze import eye_turns
+    from faceedit_app.characters.glb_turning import HeadTurns
+    from faceedit_app.characters.scene import make_scene, shape_weights
+
     if isinstance(character, Rig):
         scene = make_scene(character, clip, follows_head=follows_head)
         return form.write(scene, name, compact)

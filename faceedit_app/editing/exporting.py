@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from faceedit_app.characters.fitted import FittedCharacter, open_character
-from faceedit_app.characters.map_file import map_path
 from faceedit_app.characters.scenes import SCENES, SceneFormat, scene_content
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.atomic import begins_with, keep_inputs, write_atomically
@@ -27,6 +26,9 @@ from faceedit_app.formats.rotations import rotation_named
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.media.container import check
+
+if TYPE_CHECKING:  # it imports SciPy and trimesh, which exports of takes do not need
+    from faceedit_app.characters.fitted import FittedCharacter
 
 _LIKE_THE_TAKE = (
     "The file is laid out like the take, for programs that open the take. For others, choose a "
@@ -362,6 +364,8 @@ def _files_of(character: FittedCharacter | Path | None) -> tuple[Path, ...]:
     """What is read for a character: its file or folder, and its map."""
     if character is None:
         return ()
+    from faceedit_app.characters.map_file import map_path
+
     path = character if isinstance(character, Path) else character.character.path
     return path, map_path(path)
 
@@ -369,4 +373,8 @@ def _files_of(character: FittedCharacter | Path | None) -> tuple[Path, ...]:
 def _opened(character: FittedCharacter | Path | None) -> FittedCharacter | Rig:
     if character is None:
         return shipped_rig()
-    return open_character(character) if isinstance(character, Path) else character
+    if not isinstance(character, Path):
+        return character
+    from faceedit_app.characters.fitted import open_character
+
+    return open_character(character)
