@@ -35,7 +35,7 @@ from faceedit_app.editing.help.fixes import apply_preset
 from faceedit_app.editing.help.presets import Alone, find_preset
 from faceedit_app.editing.help.problems import Kind, Problem, find_problems
 from faceedit_app.editing.help.retime import by_pins
-from faceedit_app.editing.opening import load_engine, open_session, shipped_rig
+from faceedit_app.editing.opening import load_engine, open_character, open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.opening import checked_rate
 from faceedit_app.networks.engine import Engine
@@ -151,12 +151,7 @@ class Take:
         Raises:
             FaceEditError: it cannot be read, or is not a face.
         """
-        if path is None:
-            self._character = None
-        else:
-            from faceedit_app.characters.fitted import open_character
-
-            self._character = open_character(file_name(path))
+        self._character = None if path is None else open_character(file_name(path))
         self.session.use_character(None if self._character is None else self._character.rig)
         return self
 

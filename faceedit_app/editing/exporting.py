@@ -16,7 +16,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.files.originals import make_way
-from faceedit_app.editing.opening import shipped_rig
+from faceedit_app.editing.opening import open_character, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import Like, converted, resampled, with_filled
@@ -373,8 +373,4 @@ def _files_of(character: FittedCharacter | Path | None) -> tuple[Path, ...]:
 def _opened(character: FittedCharacter | Path | None) -> FittedCharacter | Rig:
     if character is None:
         return shipped_rig()
-    if not isinstance(character, Path):
-        return character
-    from faceedit_app.characters.fitted import open_character
-
-    return open_character(character)
+    return open_character(character) if isinstance(character, Path) else character

@@ -14,7 +14,8 @@ from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import start_of_day, time_of_day
 from faceedit_app.media import beside, offset_by_clock
 
-if TYPE_CHECKING:  # they import PyAV and ONNX Runtime
+if TYPE_CHECKING:  # they import SciPy and trimesh, PyAV, and ONNX Runtime
+    from faceedit_app.characters.fitted import FittedCharacter
     from faceedit_app.media.sound import Sound
     from faceedit_app.networks.engine import Engine
 
@@ -26,6 +27,17 @@ def shipped_rig() -> Rig:
         FileError: it is missing or damaged.
     """
     return read_rig(shipped(CHARACTER))
+
+
+def open_character(path: Path) -> FittedCharacter:
+    """Open a user's character.
+
+    Raises:
+        FileError: it or its map cannot be read, or it is not a face.
+    """
+    from faceedit_app.characters import fitted  # takes do not wait for what only characters need
+
+    return fitted.open_character(path)
 
 
 def load_engine(rig: Rig, models: Path | None = None) -> Engine:
