@@ -111,10 +111,16 @@ def _owners() -> dict[Path, str]:
     for distribution in metadata.distributions():
         name = distribution.metadata["Name"]
         for file in distribution.files or []:
-            path = Path(str(distribution.locate_file(file)))
-            found[path.absolute()] = name
-            found[path.resolve()] = name
+            path = Path(str(distribution.locate_file(file))).absolute()
+            found[path] = name
+            # As `path.resolve()`, which would ask for each folder on the way to each file again.
+            found[path.resolve() if path.is_symlink() else _real(path.parent) / path.name] = name
     return found
+
+
+@functools.cache
+def _real(folder: Path) -> Path:
+    return folder.resolve()
 
 
 @functools.cache

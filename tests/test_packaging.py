@@ -148,9 +148,9 @@ def test_the_wheel_carries_every_file_that_the_code_asks_for() -> None:
         assert (ROOT / name).exists()
 
 
-def _imports(path: Path) -> set[str]:
+def _imports(text: str) -> set[str]:
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -163,10 +163,15 @@ def test_the_bundle_leaves_out_nothing_that_the_application_imports(tool: Tool) 
     guarded = {
         ROOT / "faceedit_app" / "command_line" / name for name in ("laboratory.py", "attacks.py")
     }
+    parts = [{*name.split(".")} for name in excluded]
     for path in (ROOT / "faceedit_app").rglob("*.py"):
         inside = path.relative_to(ROOT / "faceedit_app").as_posix()
-        if not inside.startswith("lab/") and path not in guarded:
-            assert not _imports(path) & excluded, path
+        text = path.read_text(encoding="utf-8")
+        if inside.startswith("lab/") or path in guarded:
+            continue
+        words = set(re.findall(r"\w+", text))
+        if any(name <= words for name in parts):  # parsing all files would take seconds
+            assert not _imports(text) & excluded, path
 
 
 def test_the_face_is_drawn_without_what_the_bundle_leaves_out(tool: Tool) -> None:
