@@ -59,7 +59,7 @@ class BenchPlan:
     rest: float = 1.0  # see `Desk`
 
 
-QUICK = BenchPlan(6, (202, 1_000), (202,), (640,), (1_000, 20), 0.5, 1, False, 0.1)
+QUICK = BenchPlan(3, (202, 400), (202,), (640,), (400, 10), 0.2, 1, False, 0.02)
 
 
 def run(plan: BenchPlan, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
