@@ -42,6 +42,7 @@ _MOST_NAMES = 500  # that are searched for such a beginning or end
 _MOST_MARKS = 8  # between the words of a name
 _BETWEEN = re.compile(rf"{_BETWEEN_PARTS.pattern}|{_BETWEEN_WORDS.pattern}")
 _LONGEST = 200  # characters; a longer text is not a name
+_LETTER = re.compile("[A-Za-z]")  # each name has one; most cells of a take have none
 _REMEMBERED = 2_000  # names, what each means
 _NUMBER_WORDS = {
     *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
@@ -51,7 +52,9 @@ _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 def canonical_channel(name: str) -> str | None:
     """The ARKit name that `name` means, or None."""
-    return None if len(name) > _LONGEST else _canonical(name)
+    if len(name) > _LONGEST or _LETTER.search(name) is None:
+        return None
+    return _canonical(name)
 
 
 @lru_cache(_REMEMBERED)  # to recognise a file, each format looks at the same names

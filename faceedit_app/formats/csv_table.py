@@ -394,6 +394,8 @@ def plain_text(cell: bytes) -> str:
     One pair of quotes after a space also counts as quotes, as some tools write them.
     """
     text = cell.decode("utf-8", "replace")
+    if '"' not in text:
+        return text.strip()
     quoted = _QUOTED.fullmatch(text) or _SPACED.fullmatch(text)
     if quoted is None:
         return text.strip()

@@ -41,7 +41,8 @@ def sniff(content: bytes) -> float:
     if looks_like_json(content) or b"\0" in content[:_HEAD]:
         return 0.0
     lines = [line for line in content[:_HEAD].removeprefix(BOM).splitlines() if line.strip()]
-    rows = [split_line(line, _delimiter(lines)) or [] for line in lines[:_LINES]]
+    delimiter = _delimiter(lines)
+    rows = [split_line(line, delimiter) or [] for line in lines[:_LINES]]
     heads = [plain_text(row[0]) for row in rows if len(row) > _FEWEST_FRAMES]
     naming = naming_of(heads)
     channels = [name for name in map(naming, heads) if name]
