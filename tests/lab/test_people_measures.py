@@ -262,8 +262,10 @@ def test_a_different_tracker_does_not_hide_edits() -> None:
 
 
 def test_a_splice_of_real_motion_is_at_chance_and_another_face_is_not(
-    systems: Systems, learned: References
+    systems: Systems, learned: References, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(telling_apart, "WINDOWS", 100)
+
     def drifting(seed: int) -> Floats:
         random = np.random.default_rng(seed)
         noise = random.normal(0.0, 1.0, (2200, 52))
