@@ -39,7 +39,7 @@ _PARTS = ("head", "rightEye", "leftEye")
 
 def sniff(content: bytes) -> float:
     """How likely, 0..1, this is a stream of iFacialMocap."""
-    if _JSON.match(content.removeprefix(BOM)):
+    if b"|" not in content[:_HEAD] or _JSON.match(content.removeprefix(BOM)):
         return 0.0
     found = _STREAM.search(content[:_HEAD])
     names = re.findall(rb"[A-Za-z_]+", found[0]) if found else []

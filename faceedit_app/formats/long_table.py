@@ -6,6 +6,7 @@ with times. All weights with the same times are one frame.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -44,6 +45,7 @@ _VALUES = {
     *("wert", "valeur", "valor", "valore"),
 }
 _DELIMITERS = (b",", b";", b"\t", b"|")
+_LETTER = re.compile(rb"[A-Za-z\x80-\xff]")  # also a byte of one that is not ASCII
 
 
 @dataclass(frozen=True)
@@ -101,11 +103,16 @@ def _name_column(
     if width < 2:
         return None
     shares = [
-        np.mean([k < len(row) and naming(plain_text(row[k])) is not None for row in rows])
+        np.mean([k < len(row) and _names_channel(row[k], naming) for row in rows])
         for k in range(min(width, 50))
     ]
     best = int(np.argmax(shares))
     return best if shares[best] >= _MOST else None
+
+
+def _names_channel(cell: bytes, naming: Naming) -> bool:
+    """Whether a cell names a channel; most are numbers, and a number is quick to tell."""
+    return _LETTER.search(cell) is not None and naming(plain_text(cell)) is not None
 
 
 def _with_header(table: Table) -> Table:
