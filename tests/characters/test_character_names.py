@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.chance import CHARACTERS
 
 from faceedit_app.characters.matches import Half, Share
 from faceedit_app.characters.names import match_channels
@@ -165,7 +166,11 @@ def test_what_is_no_channel_is_not_taken_for_one(name: str) -> None:
     assert match.unknown == (name,)
 
 
-@given(st.lists(st.text(max_size=20) | st.sampled_from(["jawOpen", "JAW_OPEN", "Blink", "a_L"])))
+@given(
+    st.lists(
+        st.text(CHARACTERS, max_size=20) | st.sampled_from(["jawOpen", "JAW_OPEN", "Blink", "a_L"])
+    )
+)
 def test_each_name_is_accounted_for_once(names: list[str]) -> None:
     match = match_channels(names)
     used = {name for parts in match.matched.values() for name in parts}

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.chance import CHARACTERS
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.names import canonical_channel
@@ -72,7 +73,7 @@ def test_other_names_mean_no_channel(name: str) -> None:
 
 
 @settings(deadline=None, derandomize=True)
-@given(st.text(max_size=40))
+@given(st.text(CHARACTERS, max_size=40))
 def test_any_text_is_a_name(text: str) -> None:
     channel = canonical_channel(text)
     assert channel is None or channel in ARKIT_CHANNELS

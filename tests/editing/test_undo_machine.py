@@ -19,7 +19,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from support.chance import TIMES
+from support.chance import CHARACTERS, TIMES
 from support.edits import pins
 from support.faces import shipped_rig
 from support.sessions import engine, strengthen, switch
@@ -253,7 +253,7 @@ class Editing(RuleBasedStateMachine):
         self.finished()
 
     @precondition(lambda self: self.session.edits)
-    @rule(data=st.data(), name=st.text(max_size=3))
+    @rule(data=st.data(), name=st.text(CHARACTERS, max_size=3))
     def rename_or_move(self, data: st.DataObject, name: str) -> None:
         if data.draw(st.booleans()):
             self.session.rename(self.an_index(data), name)

@@ -14,6 +14,7 @@ from faceedit_app.editing.edits.edit import (
     Edit,
     Op,
 )
+from support.chance import CHARACTERS
 
 _shares = st.lists(st.floats(0, 1), min_size=1, max_size=4)
 
@@ -46,7 +47,7 @@ def edits(draw: st.DrawFn) -> Edit:
         falloff_out=None if retimes else draw(st.none() | st.floats(0, 10)),
         strength=draw(st.floats(0, STRONGEST)),
         enabled=draw(st.booleans()),
-        name=draw(st.text(max_size=5)),
+        name=draw(st.text(CHARACTERS, max_size=5)),
         about=draw(st.none() | st.floats(0, 50)) if op is Op.SCALE else None,
         points=tuple(sorted(draw(_points).items())) if op in WITH_POINTS else (),
         companions=draw(st.sampled_from(Company)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,8 @@ from support.faces import shipped_rig
 
 SIZE = 320
 RATE = 25.0
+# Pictures of faces, by where they are seen from, their size, and the bytes of their weights.
+_drawn: defaultdict[tuple[float, int], dict[bytes, NDArray[np.uint8]]] = defaultdict(dict)
 
 
 def speaking(frames: int = 40) -> NDArray[np.float32]:
@@ -35,19 +38,22 @@ def speaking(frames: int = 40) -> NDArray[np.float32]:
 def face_pictures(
     weights: NDArray[np.float32], yaw: float = 0.0, size: int = SIZE
 ) -> list[NDArray[np.uint8]]:
-    """(size, size, 3) RGB pictures of the character, seen from `yaw` radians to its left."""
-    rig = shipped_rig()
-    camera = replace(default_camera(rig), yaw=yaw)
-    renderer = open_renderer(rig, size, size)
-    try:
-        return [
-            np.ascontiguousarray(
-                renderer.draw(rig.vertices(rig.from_arkit(row)), camera)[..., 2::-1]
-            )
-            for row in weights
-        ]
-    finally:
-        renderer.close()
+    """(size, size, 3) RGB pictures of the character, seen from `yaw` radians to its left.
+
+    Faces that come again, in one film or several, are drawn once.
+    """
+    rig, drawn = shipped_rig(), _drawn[yaw, size]
+    new = {face: row for row in weights if (face := row.tobytes()) not in drawn}
+    if new:
+        camera = replace(default_camera(rig), yaw=yaw)
+        renderer = open_renderer(rig, size, size)
+        try:
+            for face, row in new.items():
+                picture = renderer.draw(rig.vertices(rig.from_arkit(row)), camera)
+                drawn[face] = np.ascontiguousarray(picture[..., 2::-1])
+        finally:
+            renderer.close()
+    return [drawn[row.tobytes()].copy() for row in weights]
 
 
 def make_face_film(
