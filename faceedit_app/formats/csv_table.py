@@ -394,9 +394,7 @@ def plain_text(cell: bytes) -> str:
     One pair of quotes after a space also counts as quotes, as some tools write them.
     """
     text = cell.decode("utf-8", "replace")
-    if '"' not in text:
-        return text.strip()
-    quoted = _QUOTED.fullmatch(text) or _SPACED.fullmatch(text)
+    quoted = (_QUOTED.fullmatch(text) or _SPACED.fullmatch(text)) if '"' in text else None
     if quoted is None:
         return text.strip()
     return (quoted[1].replace('""', '"') + quoted[2]).strip()

@@ -25,7 +25,7 @@ from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
-from faceedit_app.ui.start.application import Collector, collect_nothing
+from faceedit_app.ui.start.application import Collector, collect_nothing, collecting
 from faceedit_app.ui.state import loading
 
 OPENING = CONTROL_INDEX["mouth_opening"]
@@ -359,14 +359,12 @@ def test_garbage_is_collected_in_the_gui_thread_only(qtbot: QtBot) -> None:
         collector.end()
 
 
-@pytest.mark.parametrize("collects", [True, False])
-def test_python_collects_again_where_it_did_before(collects: bool) -> None:
-    collector, before = Collector(), gc.isenabled()
+def test_no_thread_that_outlives_the_window_collects_it() -> None:
+    before = gc.isenabled()
+    gc.enable()
     try:
-        (gc.enable if collects else gc.disable)()
-        collector.begin()
+        with collecting():
+            assert not gc.isenabled()
         assert not gc.isenabled()
-        collector.end()
-        assert gc.isenabled() == collects
     finally:
         (gc.enable if before else gc.disable)()

@@ -29,7 +29,7 @@ BURST = 40  # gestures between two checks
 MOST_EDITS = 60  # then everything is undone, so that the take is compared with its source
 MOST_GROWTH = 0.05  # of the memory
 _WARM_UP = 10  # checks until everything has been used once; then the memory is compared
-_ENOUGH = 12  # checks after that
+_ENOUGH = 36  # checks after that: each third sees the list of edits grow and be undone twice
 
 
 @dataclass
@@ -49,11 +49,11 @@ class Soaked:
     problems: list[str] = field(default_factory=list)
 
     @property
-    def growth(self) -> float:
-        """By which share the memory has grown since everything was used once."""
+    def growth(self) -> float | None:
+        """By which share the memory has grown since everything was used once; None: too short."""
         later = self.memory[_WARM_UP:]
         if len(later) < _ENOUGH:
-            return 0.0
+            return None
         third = len(later) // 3
         return statistics.median(later[-third:]) / statistics.median(later[:third]) - 1.0
 
@@ -62,8 +62,10 @@ class Soaked:
         least, most = min(self.memory, default=0.0), max(self.memory, default=0.0)
         memory = f", {least:.0f} to {most:.0f} MB" if self.memory else ""
         counts = f"{self.gestures} gestures, {self.checks} checks, everything undone"
-        warm = f"after {_WARM_UP} checks of warm-up"
-        return [f"{counts} {self.undone} times{memory} ({self.growth:+.1%} {warm})", *self.problems]
+        grown = "too short to say whether it grows"
+        if self.growth is not None:
+            grown = f"{self.growth:+.1%} after {_WARM_UP} checks of warm-up"
+        return [f"{counts} {self.undone} times{memory} ({grown})", *self.problems]
 
 
 def soak(
@@ -123,7 +125,7 @@ def soak(
         finally:
             window.leave()
             journal.journal_folder = folder_of_journals
-    if soaked.growth > MOST_GROWTH:
+    if soaked.growth is not None and soaked.growth > MOST_GROWTH:
         soaked.problems.append(f"the memory has grown by {soaked.growth:.1%}")
     return soaked
 

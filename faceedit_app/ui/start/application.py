@@ -65,26 +65,24 @@ class Collector(QTimer):
     """Collects garbage in the GUI thread, and in no other, from `begin` to `end`.
 
     Python collects in the thread that happens to make the next object. If that is not the GUI's,
-    and the garbage holds a plot or a timer, Qt crashes: they must be deleted in their own thread.
+    and the garbage holds a plot or a timer, Qt crashes or hangs: they must be deleted in their own
+    thread. So Python never collects again by itself: threads may outlive the window that they
+    worked for, which is garbage by then.
     """
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent, interval=_EVERY)
         self._garbage = Garbage()
-        self._interrupts = False  # Python's own collecting
         self.timeout.connect(self._garbage.collect)
 
     def begin(self) -> None:
         """Collect from now on; Python itself no longer does."""
-        self._interrupts = gc.isenabled()
         gc.disable()
         self.start()
 
     def end(self) -> None:
-        """Leave it to Python again, if it was before."""
+        """Collect no more."""
         self.stop()
-        if self._interrupts:
-            gc.enable()
 
 
 @contextlib.contextmanager

@@ -357,10 +357,7 @@ class MainWindow(WindowBase):
                 self._slow_reading.start()
             else:
                 self._slow_reading.stop()
-        if text:
-            self.status.showMessage(text)
-        else:
-            self.status.clearMessage()
+        self.status.showMessage(text)  # nothing clears it
 
     # --- window events -----------------------------------------------------------------------
 
