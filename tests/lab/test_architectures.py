@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import onnx
 import pytest
 import torch
 from support.faces import shipped_rig
+from support.graphs import exported, kept_in, of_size
 from support.networks import random_content, random_description
 from support.performances import RIG, performance, smallest
 from support.trained import random_networks, random_trained
@@ -137,6 +139,14 @@ def test_same_networks_give_the_same_bytes(tmp_path: Path) -> None:
     back = load_trained(tmp_path / "first.onnx")
     assert export(back.networks, back.description) == content
     assert export(random_networks(2, 6, seed=1), trained.description) != content
+
+
+def test_networks_of_another_size_have_the_same_graph(graphs: Path) -> None:
+    """The tests of the laboratory rely on it: torch exports a graph once for all sizes."""
+    text = json.dumps(UNets(2, 6, (4,)).settings)
+    kept_in(graphs)(UNets, 2, 6, text)
+    ours = kept_in(graphs)(UNets, 3, 7, text)
+    assert ours == of_size(exported(UNets, 3, 7, text), UNets, 3, 7, text)
 
 
 def test_file_tells_nothing_of_the_machine_that_wrote_it(tmp_path: Path) -> None:
