@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import shutil
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass, replace
 from io import StringIO
@@ -34,6 +35,7 @@ from faceedit_app.lab.evaluation.evaluate import (
 )
 from faceedit_app.lab.evaluation.faces import FACES, faces_part
 from faceedit_app.lab.evaluation.goals import goals, networks_goals_part
+from faceedit_app.lab.evaluation.people import telling_apart
 from faceedit_app.lab.evaluation.systems import Systems
 from faceedit_app.lab.training import settings as recipes
 from faceedit_app.lab.training.card import (
@@ -46,6 +48,14 @@ from faceedit_app.lab.training.charts import Line, chart
 from faceedit_app.lab.training.completion import is_completed
 from faceedit_app.lab.training.fit import fit_region
 from faceedit_app.render.camera import Camera, default_camera
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds() -> Iterator[None]:
+    """Telling apart goes through the takes twice, not eight times: its figures are not judged."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(telling_apart, "ROUNDS", 2)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ WINDOW = 64
 
 
 def small(**changes: object) -> TrainingSettings:
-    return replace(tiny(epochs_completion=3, completion_widths=(4, 6)), **changes)  # type: ignore[arg-type]
+    return replace(tiny(epochs_completion=3, completion_widths=(4,)), **changes)  # type: ignore[arg-type]
 
 
 def examples(seed: int = 0) -> Requests:
