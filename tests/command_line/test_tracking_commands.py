@@ -24,7 +24,7 @@ from faceedit_app.media.film import Film
 from faceedit_app.media.webcam import WebcamRecorder
 
 pytestmark = needs_tracker
-FRAMES = 12
+FRAMES = 8  # the fewest
 
 
 @pytest.fixture(scope="module")
