@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import re
 import sys
-from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pyqtgraph as pg
@@ -63,8 +62,14 @@ from faceedit_app.ui.state.time_display import Unit
 from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, Tool
 
 Facts = dict[str, Hashable]
+Files = tuple[tuple[str, bytes], ...]
 
 _PLAIN = (bool, int, float, str, bytes, type(None), Enum)
+# A set tells sooner what nearly all values are: plain, or nothing that can be looked into.
+_PLAIN_TYPES = frozenset(_PLAIN)
+_OPAQUE: set[type] = set()  # those found so far
+_FOLDED = (CurvePlot, Header)
+_SEEN = (QWidget, QAction, QTimer, QGraphicsScene)
 _BOXES = (QPoint, QPointF, QRect, QRectF, QSize)
 _DEEPEST = 4  # levels of lists in lists
 _OURS = "faceedit_app.ui."
@@ -87,7 +92,7 @@ def facts_of(window: MainWindow) -> Facts:
     facts: Facts = {"title": window.windowTitle(), "state": window.windowState().value}
     for name, thing in _parts("", window):
         is_ours = type(thing).__module__.startswith(_OURS)
-        if not is_ours and not isinstance(thing, QWidget | QAction | QTimer | QGraphicsScene):
+        if not is_ours and not isinstance(thing, _SEEN):
             continue  # what Qt keeps for itself
         if isinstance(thing, QGraphicsScene):
             facts[name] = _seen_in(thing)
@@ -101,13 +106,13 @@ def facts_of(window: MainWindow) -> Facts:
 
 def _parts(above: str, thing: QObject) -> Iterator[tuple[str, QObject]]:
     """It and all below it, by names that do not depend on what lies upon what."""
-    if isinstance(thing, CurvePlot | Header) and thing.control.optional and thing.isHidden():
+    if isinstance(thing, _FOLDED) and thing.control.optional and thing.isHidden():
         return  # folded away, it is brought up to date when it is unfolded
     yield above, thing
-    counts: Counter[str] = Counter()
+    counts: dict[str, int] = {}
     for child in thing.children():
         kind = f"{type(child).__name__} {child.objectName()}"
-        counts[kind] += 1
+        counts[kind] = counts.get(kind, 0) + 1
         yield from _parts(f"{above}/{kind} {counts[kind]}", child)
 
 
@@ -192,8 +197,11 @@ def _is_ours(value: object) -> bool:
 
 def _plain(value: Any, depth: int = 0) -> Hashable:
     """What can be compared of a value: itself, its parts, or else its type."""
-    if isinstance(value, _PLAIN):
-        return value
+    kind = type(value)
+    if kind in _OPAQUE:
+        return kind.__qualname__
+    if kind in _PLAIN_TYPES or isinstance(value, _PLAIN):
+        return cast(Hashable, value)
     if isinstance(value, Path):
         return value.name  # each test has a folder of its own
     if isinstance(value, _BOXES):
@@ -210,7 +218,8 @@ def _plain(value: Any, depth: int = 0) -> Hashable:
                 (_plain(key, depth + 1), _plain(part, depth + 1)) for key, part in value.items()
             ]
             return tuple(pairs)
-    return type(value).__qualname__
+        _OPAQUE.add(kind)
+    return kind.__qualname__
 
 
 def differences(one: Facts, other: Facts) -> list[str]:
@@ -222,6 +231,11 @@ def differences(one: Facts, other: Facts) -> list[str]:
     ]
 
 
+def files_of(take: Path) -> Files:
+    """The files from which a take is opened: itself, and sound and film beside it."""
+    return tuple((p.name, p.read_bytes()) for p in sorted(take.parent.glob(f"{take.stem}.*")))
+
+
 # --- leaving it, and beginning again -------------------------------------------------------------
 
 
@@ -229,12 +243,12 @@ class Shelf:
     """Keeps a window from one test to the next of this process.
 
     Attributes:
-        known: what can be told of a new window, by the content of its take.
+        known: what can be told of a new window, by what `files_of` its take are.
     """
 
     def __init__(self) -> None:
         self._window: MainWindow | None = None
-        self.known: dict[bytes, Facts] = {}
+        self.known: dict[Files, Facts] = {}
 
     def put(self, window: MainWindow) -> bool:
         """Empty a window and keep it; False if there is one, or it is of no further use."""
@@ -337,26 +351,25 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
     page.face.viewport.draws = 0
     page.face.viewport.quality = Quality()
     page.face._tracked = page.face._both = page.face._difference = page.face._follows = False
+    page.face._glancing = page.curves.legend._has_character = False
 
 
 def _forget_gestures(window: MainWindow, page: Editor) -> None:
     """Forget what the last gestures were."""
     line, mouse, fields = window.timeline, page.curves._mouse, page.curves.fields
     line._edits_falloffs, line._before, line.can_fade = (0.0, 0.0), None, True
-    window.playback._came_from, window.sound_player.problem = 0, ""
-    window.commands.edit._clipboard = None
+    window.playback._came_from, window.playback._shuttle = 0, 1.0
+    window.sound_player.problem = page.film.screen_._note = ""
     window.commands.edit._undone = window.commands.edit._said = ""
-    window.commands.file.character._saved = None
+    window.commands.edit._clipboard = window.commands.file.character._saved = None
     mouse.focused, mouse.plot, mouse.chosen = None, None, frozenset()
-    mouse._x = mouse._shown = 0.0
-    mouse._came_from = 0
+    mouse._x, mouse._shown, mouse._came_from = 0.0, 0.0, 0
     mouse._timer.setInterval(0)  # as long as the last preview had to wait
     page.curves.hand._held = ""
     handles = page.face.handles
     handles._drop()
     handles._hover(None, False)
-    handles._from = handles._last = QPointF()
-    handles._pulled = 0.0
+    handles._from, handles._last, handles._pulled = QPointF(), QPointF(), 0.0
     for name in window.findChildren(Name):
         name._name = ""
     for delegate in window.findChildren(EditsDelegate):
@@ -364,7 +377,9 @@ def _forget_gestures(window: MainWindow, page: Editor) -> None:
     fields._setting, fields._made = None, None
     fields._typed.clear()
     page.curves.range_bar._before = page.curves.range_bar._hovered = None
-    page.edits._is_new = False
+    page.edits._is_new, page.hints.step = False, 0
+    page.transport.entry.hide()
+    page.transport.entry._go = None
     proposal = page.proposal
     proposal._name, proposal.problem, proposal.is_for_all = "", None, False
     proposal.variation, proposal._variations, proposal.text.short = 0, (), ""

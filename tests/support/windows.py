@@ -21,7 +21,9 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import fingerprint, journal
 from faceedit_app.editing.help import presets
 from faceedit_app.editing.session import EditSession
+from faceedit_app.media import output
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.look import guard
 from faceedit_app.ui.page.editor import Editor
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import loading
@@ -31,6 +33,9 @@ from support.curves import place
 from support.faces import shipped_rig
 from support.takes import make_livelink_csv
 from support.theme import themed
+
+# Modules whose functions are looked up when they are called, never when a window is made.
+_LATER = (dialogs, guard, output)
 
 
 class FakeRenderer:
@@ -142,8 +147,9 @@ class Bench:
         preferences.set_hints_seen()
 
     def _patches(self) -> int:
-        """How much is replaced."""
-        return len(self._monkeypatch._setattr) + len(self._monkeypatch._setitem)
+        """How much is replaced that a window may use when it is made."""
+        replaced = [target for target, *_ in self._monkeypatch._setattr if target not in _LATER]
+        return len(replaced) + len(self._monkeypatch._setitem)
 
     @property
     def _is_plain(self) -> bool:
@@ -170,7 +176,8 @@ class Bench:
         with self.qtbot.waitSignal(window.settled, timeout=15_000):
             window.start(take)
         if take is not None:
-            self.qtbot.waitUntil(lambda: window.document.session is not None)
+            document = window.document
+            self.qtbot.waitUntil(lambda: document.session is not None and not window._holds_title)
 
     def editing(self, take: Path | None = None) -> MainWindow:
         """A window with a take open, the usual one if none is given.
@@ -181,11 +188,11 @@ class Bench:
         take, known = take or self.take, self._shelf.known
         if not self._is_plain:
             return self.window(take)
-        content = take.read_bytes()
-        if content in known and (window := self._renewed(take, known[content])) is not None:
+        files = renewal.files_of(take)
+        if files in known and (window := self._renewed(take, known[files])) is not None:
             return window
         window = self.window(take)
-        known[content] = renewal.facts_of(window)
+        known[files] = renewal.facts_of(window)
         return window
 
     def _renewed(self, take: Path, wanted: renewal.Facts) -> MainWindow | None:

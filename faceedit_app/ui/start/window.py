@@ -68,10 +68,12 @@ class MainWindow(WindowBase):
         self.banner = Banner()
         self.status = StatusBar()
         self.keys = KeyArbiter(self)
-        self._show_error = partial(dialogs.show_error, self)
         self._lay_out()
         self._connect()
         self._refresh_actions()
+
+    def _show_error(self, error: Exception) -> None:
+        dialogs.show_error(self, error)
 
     def _lay_out(self) -> None:
         self.setWindowTitle("FaceEdit[*]")  # a take may be recovered before its title is shown
