@@ -335,6 +335,7 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
     window._ready, window._awaited = None, 2
     window._warned.clear()
     window.banner.dismiss()
+    window.banner.button.setText("")
     window.start_page.show_recent(preferences.recent())
     window._pages.setCurrentWidget(window.start_page)
     workspace.opener.rig = None
@@ -347,8 +348,7 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
     if page.curves.shown.is_unfolded:
         page.curves.shown.unfold(False)
     page.lists.setCurrentIndex(0)
-    page._fits_film = True
-    page.face.viewport.draws = 0
+    page._fits_film, page.face.viewport.draws = True, 0
     page.face.viewport.quality = Quality()
     page.face._tracked = page.face._both = page.face._difference = page.face._follows = False
     page.face._glancing = page.curves.legend._has_character = False
