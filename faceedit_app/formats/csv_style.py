@@ -110,16 +110,18 @@ def _rows(source: CsvSource, columns: Sequence[_Column], frames: Indices) -> Ite
     numbers = [nothing if column.numbers is None else column.numbers for column in columns]
     known = [k for k, column in enumerate(columns) if column.numbers is not None]
     new = zip(*(column.cells for column in columns), strict=True)
+    last = -1
     for frame, wanted, cells in zip(frames.tolist(), np.stack(numbers, axis=1), new, strict=True):
-        texts = table.cells(source.lines[frame])
-        found = np.full(len(columns), np.nan)
-        for k in known:
-            text = bare(texts[columns[k].place]).replace(table.decimal, b".")
-            found[k] = float(text or b"nan")
+        if frame != last:  # at a higher rate, several are made of one
+            last, texts = frame, table.cells(source.lines[frame])
+            found = np.full(len(columns), np.nan)
+            for k in known:
+                text = bare(texts[columns[k].place]).replace(table.decimal, b".")
+                found[k] = float(text or b"nan")
+            found = (found / scales).astype(np.float32)
         # As they are read; the text may have more digits than single precision keeps.
-        same = np.flatnonzero((found / scales).astype(np.float32) == wanted)
         row = list(cells)
-        for k in same.tolist():
+        for k in np.flatnonzero(found == wanted).tolist():
             row[k] = texts[columns[k].place]
         yield row
 
