@@ -136,6 +136,16 @@ def test_random_gestures_show_what_is_exported(qapp: object) -> None:
     assert found.checks >= 1
 
 
+def test_a_character_that_cannot_be_read_ends_a_soak_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    character = tmp_path / "head.glb"
+    character.write_bytes(b"no head")
+    assert main(["soak", "--minutes", "1", "--character", str(character)]) == 2
+    (line,) = [one for one in capsys.readouterr().err.splitlines() if "head.glb" in one]
+    assert line.startswith("faceedit: ")
+
+
 def test_growth_is_measured_once_everything_was_used() -> None:
     short = Soaked(memory=[100.0] * 20 + [400.0] * 20)
     assert short.growth is None

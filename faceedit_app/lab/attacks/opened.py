@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QCoreApplication, QSettings
 
+from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.preferences import Preferences
@@ -14,15 +16,19 @@ from faceedit_app.ui.state.preferences import Preferences
 _PATIENCE = 600.0  # seconds, on a busy machine
 
 
-def open_window(take: Path, folder: Path, character: Path | None = None) -> MainWindow:
+def open_window(
+    take: Path, folder: Path, character: Path | None = None, refused: Sequence[str] = ()
+) -> MainWindow:
     """Open a take, or what can be recovered, and wait until face and networks are loaded.
 
     Args:
         folder: for the settings.
         character: the user's, to be shown.
+        refused: the errors that the window has shown, see `hands.dialogs_cancelled`.
 
     Raises:
-        TimeoutError: that takes too long, or one of the files cannot be read.
+        FaceEditError: one of the files cannot be read.
+        TimeoutError: that takes too long.
     """
     settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
     preferences = Preferences(settings)
@@ -36,6 +42,9 @@ def open_window(take: Path, folder: Path, character: Path | None = None) -> Main
     document, until = window.document, time.monotonic() + _PATIENCE
     while not (settled and document.session is not None and _shows(window, character)):
         QCoreApplication.processEvents()
+        if refused:
+            window.leave()
+            raise FaceEditError(refused[0])
         if time.monotonic() > until:
             raise TimeoutError(f"{take} was not opened in {_PATIENCE:.0f} s")
     return window

@@ -89,6 +89,9 @@ def soak(
         character: the user's, shown at first and now and then.
         keep: folder for the edits and the exports at the end, if anything went wrong.
         is_stopped: whether to end although there is time.
+
+    Raises:
+        FaceEditError: the take or the character cannot be read.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     application()
@@ -103,7 +106,7 @@ def soak(
     ):
         folder = Path(name)
         journal.journal_folder = lambda: folder / "journals"
-        window = open_window(take, folder, character)
+        window = open_window(take, folder, character, refused)
         try:
             began, monkey = time.monotonic(), Monkey(window, random.Random(seed))
             dog = watch.enter_context(Watchdog(lambda: f"seed {seed}, after {monkey.said}"))
