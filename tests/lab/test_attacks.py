@@ -147,11 +147,11 @@ def test_a_character_that_cannot_be_read_ends_a_soak_in_one_line(
 
 
 def test_growth_is_measured_once_everything_was_used() -> None:
-    short = Soaked(memory=[100.0] * 20 + [400.0] * 20)
+    short = Soaked(memory=[100.0] * 40 + [400.0] * 30)
     assert short.growth is None
     assert "too short" in short.lines()[0]
-    assert Soaked(memory=[100.0] * 10 + [400.0] * 40).growth == 0
-    assert Soaked(memory=[100.0] * 10 + [400.0] * 20 + [500.0] * 20).growth == pytest.approx(0.25)
+    assert Soaked(memory=[100.0] * 40 + [400.0] * 40).growth == 0
+    assert Soaked(memory=[100.0] * 40 + [400.0] * 20 + [500.0] * 20).growth == pytest.approx(0.25)
 
 
 def test_a_step_that_hangs_is_named_with_the_stacks_of_all_threads(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from faceedit_app.ui.start.window import MainWindow
 BURST = 40  # gestures between two checks
 MOST_EDITS = 60  # then everything is undone, so that the take is compared with its source
 MOST_GROWTH = 0.05  # of the memory
-_WARM_UP = 10  # checks until everything has been used once; then the memory is compared
+_WARM_UP = 40  # checks until the caches of Qt and of OpenGL are as large as they get
 _ENOUGH = 36  # checks after that: each third sees the list of edits grow and be undone twice
 
 
@@ -50,7 +50,7 @@ class Soaked:
 
     @property
     def growth(self) -> float | None:
-        """By which share the memory has grown since everything was used once; None: too short."""
+        """By which share the memory has grown since the warm-up; None: too short."""
         later = self.memory[_WARM_UP:]
         if len(later) < _ENOUGH:
             return None
@@ -87,7 +87,8 @@ def soak(
         gestures: end after this many, if that is sooner.
         advance: called with the seconds that have passed.
         character: the user's, shown at first and now and then.
-        keep: folder for the edits and the exports at the end, if anything went wrong.
+        keep: folder for the edits and the exports at the end, if anything went wrong; and for the
+            megabytes at each check, if they became more.
         is_stopped: whether to end although there is time.
 
     Raises:
@@ -130,6 +131,10 @@ def soak(
             journal.journal_folder = folder_of_journals
     if soaked.growth is not None and soaked.growth > MOST_GROWTH:
         soaked.problems.append(f"the memory has grown by {soaked.growth:.1%}")
+        if keep is not None:
+            keep.mkdir(parents=True, exist_ok=True)
+            at_each_check = "\n".join(f"{megabytes:.1f}" for megabytes in soaked.memory)
+            (keep / "memory.txt").write_text(at_each_check + "\n", encoding="ascii")
     return soaked
 
 
