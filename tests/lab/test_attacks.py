@@ -24,7 +24,7 @@ from faceedit_app.lab.attacks.hands import qt_warnings_noted
 from faceedit_app.lab.attacks.mutation import mutated
 from faceedit_app.lab.attacks.reader import Reader
 from faceedit_app.lab.attacks.readers import all_readers, readers_of
-from faceedit_app.lab.attacks.soak import Soaked, soak
+from faceedit_app.lab.attacks.soak import Soaked, judge_memory, soak
 from faceedit_app.lab.attacks.valid_takes import take_readers
 from faceedit_app.lab.attacks.watchdog import Watchdog
 
@@ -152,6 +152,17 @@ def test_growth_is_measured_once_everything_was_used() -> None:
     assert "too short" in short.lines()[0]
     assert Soaked(memory=[100.0] * 40 + [400.0] * 40).growth == 0
     assert Soaked(memory=[100.0] * 40 + [400.0] * 20 + [500.0] * 20).growth == pytest.approx(0.25)
+
+
+def test_memory_that_grows_is_wrong_and_can_be_read(tmp_path: Path) -> None:
+    level = Soaked(memory=[100.0] * 40 + [400.0] * 20 + [419.0] * 20)
+    judge_memory(level, tmp_path)
+    assert not level.problems
+    grown = Soaked(memory=[100.0] * 40 + [400.0] * 20 + [422.0] * 20)
+    judge_memory(grown, tmp_path / "new")
+    assert grown.problems == ["the memory has grown by 5.5%"]
+    kept = (tmp_path / "new" / "memory.txt").read_text(encoding="ascii").splitlines()
+    assert [float(line) for line in kept] == grown.memory
 
 
 def test_a_step_that_hangs_is_named_with_the_stacks_of_all_threads(tmp_path: Path) -> None:

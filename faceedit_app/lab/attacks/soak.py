@@ -129,13 +129,19 @@ def soak(
         finally:
             window.leave()
             journal.journal_folder = folder_of_journals
-    if soaked.growth is not None and soaked.growth > MOST_GROWTH:
-        soaked.problems.append(f"the memory has grown by {soaked.growth:.1%}")
-        if keep is not None:
-            keep.mkdir(parents=True, exist_ok=True)
-            at_each_check = "\n".join(f"{megabytes:.1f}" for megabytes in soaked.memory)
-            (keep / "memory.txt").write_text(at_each_check + "\n", encoding="ascii")
+    judge_memory(soaked, keep)
     return soaked
+
+
+def judge_memory(soaked: Soaked, keep: Path | None) -> None:
+    """Note growth as a problem, and keep the megabytes at each check, a line each."""
+    if soaked.growth is None or soaked.growth <= MOST_GROWTH:
+        return
+    soaked.problems.append(f"the memory has grown by {soaked.growth:.1%}")
+    if keep is not None:
+        keep.mkdir(parents=True, exist_ok=True)
+        lines = "".join(f"{megabytes:.1f}\n" for megabytes in soaked.memory)
+        (keep / "memory.txt").write_text(lines, encoding="ascii")
 
 
 def _burst(
