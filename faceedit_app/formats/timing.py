@@ -392,7 +392,7 @@ def format_rate(rate: float) -> str:
 
 def format_time(seconds: float) -> str:
     """`0:04.533`, `2:14.330`, `1:00:00.000`."""
-    thousandths = round(seconds * 1000)
+    thousandths = round(1000 * round(seconds, 3))  # as `.3f` rounds halves elsewhere
     minutes, rest = divmod(thousandths, 60_000)
     tail = f"{rest // 1000:02d}.{rest % 1000:03d}"
     hours, minutes = divmod(minutes, 60)

@@ -375,5 +375,6 @@ def test_times_and_rates_read_as_people_write_them() -> None:
     assert format_time(4.5333) == "0:04.533"
     assert format_time(59.9999) == "1:00.000"
     assert format_time(3725.5) == "1:02:05.500"
+    assert format_time(12.0005) == f"0:{12.0005:.3f}", "a half is rounded as elsewhere"
     assert format_rate(30000 / 1001) == "29.97 fps"
     assert format_rate(60.0) == "60 fps"
