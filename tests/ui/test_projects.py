@@ -240,7 +240,7 @@ def test_kill_9_in_the_middle_of_a_drag_loses_that_drag_only(
     shutil.rmtree(folder)
 
 
-def test_recovery_of_a_take_that_has_changed_since_says_so(
+def test_recovery_says_that_its_take_has_changed_and_that_another_waits(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     folder = tmp_path / "journals"
@@ -259,10 +259,14 @@ def test_recovery_of_a_take_that_has_changed_since_says_so(
         return likely[0]
 
     monkeypatch.setattr(dialogs, "ask_take_of_project", use_it)
-    window = bench.window()
+    other = tmp_path / "other.csv"
+    other.write_bytes(bench.take.read_bytes())
+    window = bench.window(other)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     assert "has changed since" in asked[0]
     bench.qtbot.waitUntil(lambda: "is not the take" in window.banner.text.text())
+    assert "other.csv is not open yet" in window.banner.text.text()
+    assert bench.preferences().recent() == [bench.take, other]
     assert len(session_of(window).edits) == 1
     bench.answers["unsaved"] = Unsaved.DISCARD
     assert window.close()

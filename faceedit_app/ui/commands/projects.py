@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from faceedit_app.core.atomic import is_same_file
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.fields import FieldError, Fields
 from faceedit_app.editing.edits.media import Placement
@@ -191,7 +192,10 @@ def _open_character(workspace: Workspace, wanted: CharacterFile | None, path: Pa
 
 
 def recover(
-    workspace: Workspace, pending: Pending, ask: Callable[[str, Sequence[Path]], Path | None]
+    workspace: Workspace,
+    pending: Pending,
+    ask: Callable[[str, Sequence[Path]], Path | None],
+    instead_of: Path | None = None,
 ) -> None:
     """Open the take of a session that ended in a crash, with its edits.
 
@@ -199,6 +203,7 @@ def recover(
 
     Args:
         ask: as for `open_project`.
+        instead_of: the file that was to be opened; it is found under the recent ones.
     """
 
     def look() -> Located:
@@ -208,15 +213,27 @@ def recover(
     def found(located: Located) -> None:
         take = _chosen_take(located, ask)
         workspace.opener.reading.emit("")
-        if take is not None:
-            _open_recovered(workspace, pending, take, _note_of(located))
+        if take is None:
+            return
+        notes = [_note_of(located)]
+        own = [take, *([pending.project.path] if pending.project is not None else [])]
+        if instead_of is not None and instead_of.exists() and not _is_one_of(instead_of, own):
+            workspace.preferences.add_recent(instead_of)
+            notes.append(f"{instead_of.name} is not open yet: choose it in File > Open recent")
+        _open_recovered(workspace, pending, take, list(filter(None, notes)))
 
     workspace.opener.reading.emit(f"Looking for {pending.take.name}…")
     workspace.background.run(look, found, workspace.opener.failed.emit)
 
 
-def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: str) -> None:
-    """Open a take with the edits of a session that crashed; `note` is as for `_open_take`."""
+def _is_one_of(path: Path, others: Sequence[Path]) -> bool:
+    return any(is_same_file(path, other) for other in others)
+
+
+def _open_recovered(
+    workspace: Workspace, pending: Pending, take: Path, notes: Sequence[str]
+) -> None:
+    """Open a take with the edits of a session that crashed; then show warnings."""
 
     def prepare(session: EditSession) -> None:
         # A file that tells its rate has that again after Undo; another is never without one.
@@ -227,7 +244,7 @@ def _open_recovered(workspace: Workspace, pending: Pending, take: Path, note: st
 
     def opened() -> None:
         pending.discard()
-        if note:
+        for note in notes:
             workspace.warning.emit(note)
         workspace.message.emit(
             f"Recovered your work on {pending.take.name}{pending.counted_edits}; "

@@ -9,8 +9,12 @@ from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.workspace import Workspace
 
 
-def offer_recovery(workspace: Workspace) -> bool:
-    """Ask about the newest session that ended in a crash; True if it is being opened."""
+def offer_recovery(workspace: Workspace, instead_of: Path | None = None) -> bool:
+    """Ask about the newest session that ended in a crash; True if it is being opened.
+
+    Args:
+        instead_of: the file that is opened otherwise.
+    """
     # They import the solver; the window appears first.
     from faceedit_app.editing.files.pending import pending_journals
     from faceedit_app.ui.commands import projects
@@ -23,7 +27,7 @@ def offer_recovery(workspace: Workspace) -> bool:
     if pending:
         match dialogs.ask_recover(workspace.window, pending[0]):
             case dialogs.Recover.RECOVER:
-                projects.recover(workspace, pending[0], ask)
+                projects.recover(workspace, pending[0], ask, instead_of)
                 return True
             case dialogs.Recover.DISCARD:
                 pending[0].discard()
