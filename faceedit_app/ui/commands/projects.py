@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import is_same_file
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.fields import FieldError, Fields
@@ -217,7 +218,11 @@ def recover(
             return
         notes = [_note_of(located)]
         own = [take, *([pending.project.path] if pending.project is not None else [])]
-        if instead_of is not None and instead_of.exists() and not _is_one_of(instead_of, own):
+        if (
+            instead_of is not None
+            and on_disk.exists(instead_of)
+            and not _is_one_of(instead_of, own)
+        ):
             workspace.preferences.add_recent(instead_of)
             notes.append(f"{instead_of.name} is not open yet: choose it in File > Open recent")
         _open_recovered(workspace, pending, take, list(filter(None, notes)))
