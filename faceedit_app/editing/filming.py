@@ -210,10 +210,8 @@ def shown_by(session: EditSession) -> tuple[Take, Floats, Floats | None]:
     lost, clip = take.lost_rows, take.clip
     if lost is None or filled is None or not np.isfinite(filled).any():
         return take, session.weights.copy(), edited.rotations
-    before = np.floor(lost.positions).astype(np.intp)
-    share = np.array(lost.positions, np.float32)[:, None] - before[:, None]
-    nothing = (1 - share) * clip.weights[before] + share * clip.weights[before + 1]
-    nothing[~have_faces(filled)] = np.nan
+    nothing = np.full_like(filled, np.nan)
+    nothing[have_faces(filled)] = lost.with_faces(filled, clip).between(clip.weights)
     edited = with_filled(edited, lost, filled)
     tracked = with_filled(clip, lost, nothing)
     return replace(take, clip=tracked), edited.arkit_weights(), edited.rotations

@@ -118,16 +118,12 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
     order = np.argsort(
         np.concatenate([np.arange(len(clip)), found.before + found.share]), kind="stable"
     )
-    share = found.share[:, None]
 
-    def joined(values: Floats, new: Floats | None = None) -> Floats:
-        if new is None:
-            mixed = (1 - share) * values[found.before] + share * values[found.before + 1]
-            new = mixed.astype(np.float32)
+    def joined(values: Floats, new: Floats) -> Floats:
         return np.concatenate([values, new.astype(np.float32, copy=False)])[order]
 
     times = np.concatenate([clip.times, found.times])[order]
-    sure = clip.confidence
+    turned, sure = clip.rotations, clip.confidence
     return Clip(
         weights=joined(clip.weights, found.weights),
         channels=clip.channels,
@@ -135,7 +131,7 @@ def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Cli
         rate=clip.rate,
         gaps=find_gaps(times, clip.rate),
         timecodes=timecodes_at(clip.timecodes, times) if clip.timecodes else None,
-        rotations=None if clip.rotations is None else joined(clip.rotations),
+        rotations=None if turned is None else joined(turned, found.between(turned)),
         rotation_names=clip.rotation_names,
         confidence=None if sure is None else joined(sure, np.zeros(len(found), np.float32)),
     )

@@ -106,10 +106,16 @@ class RowsBetween:
     weights: Floats
     times: Times
     before: Indices
-    share: Times
+    share: Doubles
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def between(self, values: Floats, rows: int | slice = slice(None)) -> Floats:
+        """(M, K) what lies between the values (T, K) of the frames around the rows; (K,) of one."""
+        frame, share = self.before[rows], self.share[rows, None]
+        mixed: Floats = ((1 - share) * values[frame] + share * values[frame + 1]).astype(np.float32)
+        return mixed
 
 
 @dataclass(frozen=True)

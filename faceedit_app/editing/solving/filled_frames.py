@@ -8,37 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Floats, Indices, Times
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.clip import Clip
-from faceedit_app.formats.take import LostRows
+from faceedit_app.formats.take import LostRows, RowsBetween
 
 
 @dataclass(frozen=True, eq=False)
-class FilledFrames:
-    """Frames that lie between those of a clip, in order of time.
+class FilledFrames(RowsBetween):
+    """The rows with a face as frames that are shown; `weights` are (M, 52), as exported.
 
     Attributes:
-        times: (M,) seconds.
-        before: (M,) the frame of the clip before each of them.
-        share: (M,) where it lies between that one and the next, 0..1.
-        weights: (M, 52) in ARKit order, as exported.
         controls: (M, C) mm.
     """
 
-    times: Times
-    before: Indices
-    share: Times
-    weights: Floats
     controls: Floats
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def between(self, values: Floats, number: int) -> Floats:
-        """(K,) what lies between the values (T, K) of the frames around one, such as rotations."""
-        frame, share = self.before[number], self.share[number]
-        mixed: Floats = ((1 - share) * values[frame] + share * values[frame + 1]).astype(np.float32)
-        return mixed
 
 
 def filled_frames(
@@ -58,4 +41,4 @@ def filled_frames(
         return None
     weights = np.zeros((len(found), len(ARKIT_INDEX)), np.float32)
     weights[:, [ARKIT_INDEX[channel] for channel in clip.channels]] = found.weights
-    return FilledFrames(found.times, found.before, found.share, weights, measure(weights))
+    return FilledFrames(weights, found.times, found.before, found.share, measure(weights))
