@@ -12,7 +12,7 @@ from faceedit_app.core.atomic import said_of
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import dialogs, places
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.look.texts import name_entry
+from faceedit_app.ui.look.widgets import list_files
 
 if TYPE_CHECKING:  # they import the loaders of characters
     from faceedit_app.characters.fitted import FittedCharacter
@@ -111,13 +111,8 @@ class CharacterCommands:
 
     def fill_recent(self, menu: QMenu) -> None:
         """List the characters that were opened recently and still exist."""
-        menu.clear()
-        for path in self._workspace.preferences.recent_characters():
-            action = menu.addAction(name_entry(path.name))
-            action.setStatusTip(str(path))
-            action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
-        if menu.isEmpty():
-            menu.addAction("No recent characters").setEnabled(False)
+        known = self._workspace.preferences.recent_characters()
+        list_files(menu, known, self.open_if_saved, "No recent characters")
 
     def show_own(self) -> None:
         """Show FaceEdit's own character again."""

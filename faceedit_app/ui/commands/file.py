@@ -25,7 +25,7 @@ from faceedit_app.ui.commands.exports import Exports
 from faceedit_app.ui.commands.live import LivePreview, PhoneRecording
 from faceedit_app.ui.commands.webcam import WebcamRecording
 from faceedit_app.ui.commands.workspace import Workspace
-from faceedit_app.ui.look.texts import name_entry
+from faceedit_app.ui.look.widgets import list_files
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # loaded with the first film
@@ -161,13 +161,9 @@ class FileCommands:
 
     def fill_recent(self, menu: QMenu) -> None:
         """List the takes and projects that were opened recently and still exist."""
-        menu.clear()
-        for path in self._preferences.recent():
-            action = menu.addAction(name_entry(path.name))
-            action.setStatusTip(str(path))
-            action.triggered.connect(lambda _checked=False, p=path: self.open_if_saved(p))
-        if menu.isEmpty():
-            menu.addAction("No recent takes").setEnabled(False)
+        takes = self._preferences.recent()
+        list_files(menu, takes, self.open_if_saved, "No recent takes")
+        if not takes:
             return
         menu.addSeparator()
         menu.addAction("Clear").triggered.connect(self._preferences.clear_recent)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import QPointF, QSize, Qt
@@ -32,6 +33,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.icons import SIZE
 from faceedit_app.ui.look.palette import FAINT, TEXT
+from faceedit_app.ui.look.texts import name_entry
 from faceedit_app.ui.look.theme import GAP, MARGIN
 
 Shown = TypeVar("Shown", bound=QDialog)
@@ -183,6 +185,19 @@ def context_menu(parent: QWidget, *groups: Iterable[QAction]) -> QMenu:
             menu.addSeparator()
         menu.addActions(list(group))
     return menu
+
+
+def list_files(
+    menu: QMenu, paths: Iterable[Path], choose: Callable[[Path], object], none: str
+) -> None:
+    """Fill a menu with files, or with a line that there is `none`."""
+    menu.clear()
+    for path in paths:
+        action = menu.addAction(name_entry(path.name))
+        action.setStatusTip(str(path))
+        action.triggered.connect(lambda _checked=False, p=path: choose(p))
+    if menu.isEmpty():
+        menu.addAction(none).setEnabled(False)
 
 
 def divider() -> QFrame:
