@@ -19,6 +19,7 @@ _MOST_TRIMMED = 9  # the digits that float32 needs
 _FEWEST = 5  # digits that changed weights have at most
 _ALL = 7  # digits that show any change of a weight
 _NUMBER = re.compile(rb"[+-]?\d*(?:\.(\d*))?([eE][+-]?\d+)?")
+_DIGITS = bytes.maketrans(b"123456789", b"000000000")
 
 
 @dataclass(frozen=True)
@@ -104,13 +105,14 @@ def detect_format(texts: Iterable[bytes], scale: float = 1.0) -> NumberFormat:
     decimals: Counter[int] = Counter()
     exponents: Counter[str] = Counter()
     total = 0
-    for text in texts:
-        match = _NUMBER.fullmatch(text)
+    shapes = Counter(text.translate(_DIGITS) for text in texts)  # few, however many numbers
+    for shape, count in shapes.items():
+        match = _NUMBER.fullmatch(shape)
         if match is None:
             continue
-        total += 1
-        decimals[len(match[1] or b"")] += 1
-        exponents[chr(match[2][0]) if match[2] else ""] += 1
+        total += count
+        decimals[len(match[1] or b"")] += count
+        exponents[chr(match[2][0]) if match[2] else ""] += count
     most = max(decimals, default=0)
     if scale in (BYTES, PERMILLE) and not most:
         return NumberFormat(0, True)  # a program that reads these reads whole numbers only
