@@ -23,11 +23,12 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from support.chance import TIMES
 from support.media import devices
+from support.panels import panel, panels
 from support.windows import bench, shelf
 
 from faceedit_app.ui.start.application import Garbage
 
-__all__ = ["bench", "devices", "shelf"]
+__all__ = ["bench", "devices", "panel", "panels", "shelf"]
 
 # Garbage is collected between tests, in the main thread, as the application's `Collector` does: a
 # thread of a window's that happens to collect would delete the plots of earlier windows, and crash.

@@ -96,7 +96,9 @@ def insert(path: Path, text: str, before: str) -> None:
 def run_tests(project: Path, *tests: str) -> None:
     """Run tests on the copy."""
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
-    command.append(f"--basetemp={project.parent / 'temporary'}")  # no files of earlier runs to remove
+    command.append(
+        f"--basetemp={project.parent / 'temporary'}"
+    )  # no files of earlier runs to remove
     env = os.environ | {"PYTHONPATH": str(project), "QT_QPA_PLATFORM": "offscreen"}
     done = subprocess.run(
         [*command, *tests], cwd=project, env=env, capture_output=True, text=True, check=False

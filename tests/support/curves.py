@@ -37,21 +37,32 @@ LEFT, MIDDLE, RIGHT = (
 
 
 def open_panel(qtbot: QtBot, session: EditSession, width: int = 900) -> CurvesPanel:
-    """A panel on the screen that shows a session."""
+    """A new panel on the screen that shows a session; the end of the test closes it."""
+    panel = new_panel()
+    qtbot.addWidget(panel)
+    show_session(qtbot, panel, session, width)
+    return panel
+
+
+def new_panel() -> CurvesPanel:
+    """A panel with a timeline of its own."""
     themed()
     timeline = Timeline()
     panel = CurvesPanel(timeline)
     timeline.setParent(panel)
-    qtbot.addWidget(panel)
+    return panel
+
+
+def show_session(qtbot: QtBot, panel: CurvesPanel, session: EditSession, width: int = 900) -> None:
+    """Show a panel on the screen, and a session in it."""
     panel.resize(width, 700)
     panel.show()
     qtbot.waitExposed(panel)
-    timeline.open(session.take.clip)
+    panel.timeline.open(session.take.clip)
     panel.set_session(session)
     session.previewed.connect(panel.refresh)
     session.changed.connect(panel.refresh)
     QApplication.processEvents()
-    return panel
 
 
 def session_of(panel: CurvesPanel) -> EditSession:

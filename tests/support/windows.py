@@ -31,6 +31,7 @@ from faceedit_app.ui.state.preferences import Preferences
 from support import curves, renewal
 from support.curves import place
 from support.faces import shipped_rig
+from support.facts import Facts, facts_of, files_of
 from support.takes import make_livelink_csv
 from support.theme import themed
 
@@ -188,20 +189,20 @@ class Bench:
         take, known = take or self.take, self._shelf.known
         if not self._is_plain:
             return self.window(take)
-        files = renewal.files_of(take)
+        files = files_of(take)
         if files in known and (window := self._renewed(take, known[files])) is not None:
             return window
         window = self.window(take)
-        known[files] = renewal.facts_of(window)
+        known[files] = facts_of(window)
         return window
 
-    def _renewed(self, take: Path, wanted: renewal.Facts) -> MainWindow | None:
+    def _renewed(self, take: Path, wanted: Facts) -> MainWindow | None:
         """The window that an earlier test has left, with a take; None if it is not as new."""
         window = self._shelf.take()
         if window is None:
             return None
         self.renew(window, take)
-        if renewal.facts_of(window) == wanted:
+        if facts_of(window) == wanted:
             self._windows.append(window)
             return window
         renewal.close([window])

@@ -16,24 +16,16 @@ from support.curves import (
     drag,
     let_go,
     move_with,
-    open_panel,
     place,
     session_of,
     surface,
     turn,
 )
-from support.rigs import tiny_session
 
 from faceedit_app.core.controls import CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.state.tools import Tool
-
-
-@pytest.fixture
-def panel(qtbot: QtBot) -> CurvesPanel:
-    return open_panel(qtbot, tiny_session())
-
 
 # --- editing -------------------------------------------------------------------------------
 

@@ -40,12 +40,6 @@ from faceedit_app.ui.curves.legend import Legend
 from faceedit_app.ui.curves.words import CHOSEN_HINT, note_on
 from faceedit_app.ui.state.timeline import Timeline
 
-
-@pytest.fixture
-def panel(qtbot: QtBot) -> CurvesPanel:
-    return open_panel(qtbot, tiny_session())
-
-
 # --- the time axis -------------------------------------------------------------------------
 
 

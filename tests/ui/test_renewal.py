@@ -1,17 +1,22 @@
-"""Windows that tests use again: as new, or noticed to be not."""
+"""Windows and panels that tests use again: as new, or noticed to be not."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from threading import Event
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from pytestqt.qtbot import QtBot
 from support import renewal
+from support.curves import drag, place
+from support.facts import differences, facts_of
+from support.panels import PanelShelf
 from support.waiting import run_events, wait_for_background
 from support.windows import Bench, drag_curve, editor_of, press_key, trigger
 
 from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.tools import Tool
 
 
 def hide_a_curve(window: MainWindow) -> None:
@@ -40,19 +45,19 @@ CHANGES: tuple[Callable[[MainWindow], object], ...] = (
 
 def test_what_a_user_changes_tells_a_window_from_a_new_one(bench: Bench) -> None:
     window = bench.window(bench.take)
-    facts = renewal.facts_of(window)
-    assert renewal.facts_of(window) == facts
+    facts = facts_of(window)
+    assert facts_of(window) == facts
     for number, change in enumerate(CHANGES):
         change(window)
         run_events()
-        changed = renewal.facts_of(window)
+        changed = facts_of(window)
         assert changed != facts, f"change {number} is not seen"
         facts = changed
 
 
 def test_a_window_that_was_used_is_as_new(bench: Bench) -> None:
     window = bench.window(bench.take)
-    wanted = renewal.facts_of(window)
+    wanted = facts_of(window)
     drag_curve(window, 0, 1.0, 12)
     trigger(window, "fix_smile")
     press_key(editor_of(window).settings_bar.exactness, Qt.Key.Key_Left)
@@ -70,7 +75,7 @@ def test_a_window_that_was_used_is_as_new(bench: Bench) -> None:
     bench.forget_preferences()
     assert shelf.take() is window
     bench.renew(window, bench.take)
-    assert renewal.differences(wanted, renewal.facts_of(window)) == []
+    assert differences(wanted, facts_of(window)) == []
 
 
 def test_a_window_at_work_is_not_kept(bench: Bench) -> None:
@@ -80,3 +85,34 @@ def test_a_window_at_work_is_not_kept(bench: Bench) -> None:
     go_on.set()
     window.close()
     assert not renewal.Shelf().put(window), "it is closed"
+
+
+def test_a_panel_that_was_used_is_as_new(qtbot: QtBot) -> None:
+    shelf = PanelShelf()
+    panel = shelf.take(qtbot)
+    start = place(panel.plots[0], 1.0)
+    drag(panel.plots[0], start, start - QPoint(0, 12))
+    panel.timeline.select((0.5, 1.0))
+    panel.timeline.set_falloffs(0.5, 0.4)
+    panel.timeline.zoom(0.5, 1.0)
+    panel.tools.choose(Tool.DRAW)
+    panel.tools.link(False)
+    panel.shown.show({"mouth_opening"})
+    panel.plots[1].setFocus()
+    shelf.put(panel)
+    assert shelf.take(qtbot) is panel
+    assert panel.session is not None
+    assert panel.session.edits == ()
+    shelf.put(panel)
+    shelf.close()
+
+
+def test_a_panel_that_is_not_as_new_is_not_used_again(qtbot: QtBot) -> None:
+    shelf = PanelShelf()
+    panel = shelf.take(qtbot)
+    panel.fields.setToolTip("Something")
+    shelf.put(panel)
+    other = shelf.take(qtbot)
+    assert other is not panel
+    shelf.put(other)
+    shelf.close()

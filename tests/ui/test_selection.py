@@ -6,7 +6,6 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
-from pytestqt.qtbot import QtBot
 from support.curves import (
     ALT,
     CTRL,
@@ -16,13 +15,11 @@ from support.curves import (
     drag,
     let_go,
     move_with,
-    open_panel,
     place,
     session_of,
     surface,
     turn,
 )
-from support.rigs import tiny_session
 
 from faceedit_app.ui.curves import CurvesPanel
 from faceedit_app.ui.curves.edges import Edge, edge_at, part_at, press_edge
@@ -35,8 +32,7 @@ SPAN = Span(2.0, 3.0, 0.5, 1.0)
 
 
 @pytest.fixture
-def panel(qtbot: QtBot) -> CurvesPanel:
-    panel = open_panel(qtbot, tiny_session())
+def panel(panel: CurvesPanel) -> CurvesPanel:
     panel.timeline.select((1.0, 2.0))
     panel.timeline.set_falloffs(0.3, 0.5)
     return panel

@@ -8,7 +8,6 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, Qt
 from PySide6.QtGui import QEnterEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QToolButton
-from pytestqt.qtbot import QtBot
 from support.curves import (
     ALT,
     CTRL,
@@ -17,12 +16,10 @@ from support.curves import (
     drag,
     let_go,
     move_with,
-    open_panel,
     place,
     session_of,
     surface,
 )
-from support.rigs import tiny_session
 from support.waiting import run_events
 from support.windows import Bench, double_click
 
@@ -33,11 +30,6 @@ from faceedit_app.ui.curves.gestures import moved_together
 from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, Tool
 
 LEFT_EYE = CONTROL_INDEX["left_eyelid"]
-
-
-@pytest.fixture
-def panel(qtbot: QtBot) -> CurvesPanel:
-    return open_panel(qtbot, tiny_session())
 
 
 def only_edit(panel: CurvesPanel) -> Edit:
