@@ -7,7 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.sessions import demo_take, session_by_rig, take_of
+from support.sessions import (
+    demo_take,
+    session_by_networks,
+    session_by_rig,
+    shipped_engine,
+    take_of,
+)
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.arrays import Indices
@@ -15,7 +21,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.fill import cannot_fill
-from faceedit_app.editing.help.lost_frames import lost_frames
+from faceedit_app.editing.help.lost_frames import IN_PARTS, lost_frames
 from faceedit_app.editing.help.problems import Kind, find_problems
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats.gaps import find_gaps
@@ -131,3 +137,43 @@ def test_a_selection_within_a_gap_can_be_filled_if_the_file_has_rows_there() -> 
     with_rows = replace(take, lost_rows=LostRows((300.5,)))
     assert cannot_fill(with_rows, start + 0.1, start + 0.4) == ""
     assert "no frame" in cannot_fill(with_rows, start + 0.1, start + 0.2)
+
+
+@pytest.mark.parametrize("has_rows", [False, True])
+def test_a_jump_across_a_gap_too_long_to_fill_is_softened_once_in_all_curves_around_it(
+    has_rows: bool,
+) -> None:
+    """Smoothing some curves of a mouth made others jump, which were then offered in turn."""
+    clip = demo_take().clip
+    kept = np.r_[0:260, 297 : len(clip)]  # between two poses that differ
+    times = clip.times[kept] + np.where(kept > 260, 4.5, 0.0)
+    gaps = find_gaps(times, clip.rate)
+    torn = replace(clip, weights=clip.weights[kept], times=times, gaps=gaps, timecodes=None)
+    take, places = take_of(torn), 259 + np.arange(1, 300) / 300
+    if has_rows:
+        take = replace(take, lost_rows=LostRows(tuple(places.tolist())))
+    session = session_by_networks(take, shipped_engine())
+    session.add(*gap_fixes(session))
+    (gap,) = (problem for problem in find_problems(session) if problem.kind is Kind.DROPPED)
+    assert gap.fix == ()
+    assert "its jump is softened" in gap.why_unfixed
+    assert ("Fill replaces up to 4 s of it at a time" in gap.why_unfixed) == has_rows
+
+
+def test_a_gap_that_was_filled_in_parts_is_found_only_until_all_its_rows_have_a_face() -> None:
+    clip = jumping(6.0)
+    start, end = float(clip.times[300]), float(clip.times[301])
+    places = (300 + np.arange(1, 60) / 60).tolist()  # ten a second
+    curves = np.zeros((len(clip), len(MAIN_CONTROLS)))
+    first = Edit(MAIN_CONTROLS, Op.FILL, start, start + 3.95, 0.0)
+    (gap,) = lost_frames(clip, curves, places)
+    assert (gap.fix, gap.instead) == ((), IN_PARTS)
+    lips = replace(first, controls=("mouth_opening",))
+    assert lost_frames(clip, curves, places, edits=[lips]) == [gap]
+    (gap,) = lost_frames(clip, curves, places, edits=[first])
+    assert "39 of them are filled" in gap.message
+    (rest,) = gap.fix
+    assert start + 3.85 < rest.start <= start + 4.0
+    assert end - 0.1 < rest.end < end
+    assert lost_frames(clip, curves, places, edits=[first, rest]) == []
+    assert lost_frames(clip, curves, places, edits=[first, replace(rest, enabled=False)]) == [gap]
