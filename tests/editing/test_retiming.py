@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.sessions import session_by_rig
+from support.takes import make_livelink_csv
 
+from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.editing.files.fingerprint import Fingerprint
@@ -16,6 +20,7 @@ from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import Project, read_project, write_project
 from faceedit_app.editing.steps import EditState
+from faceedit_app.formats.opening import open_take
 
 PRINT = Fingerprint(3, "0" * 64)
 EDIT = Edit(("mouth_opening",), Op.OFFSET, 1.0, 2.0, 0.2, 5.0, falloff_out=0.4)
@@ -44,6 +49,23 @@ def test_points_and_smooths_are_times_too() -> None:
     smooth = Edit(("mouth_width",), Op.SMOOTH, 1.0, 2.0, 0.1, 0.04)
     assert retimed(smooth, 0.5).value == pytest.approx(0.02)
     assert retimed(EDIT, 1.0) == EDIT
+
+
+def test_undoing_another_rate_brings_back_to_the_bit_what_was_shown(tmp_path: Path) -> None:
+    path = make_livelink_csv(tmp_path / "take.csv", 4, 60)
+    session = session_by_rig(path)
+    session.add(EDIT, Edit(MAIN_CONTROLS, Op.FILL, 2.5, 3.0, 0.0))
+    again = session_by_rig(open_take(path, 30.0))
+    again.continue_from(
+        session,
+        "Frame rate 30 fps",
+        lambda state: replace(state, edits=tuple(retimed(edit, 2.0) for edit in state.edits)),
+    )
+    assert not np.array_equal(again.weights, session.weights), "as the question says"
+    back = session_by_rig(path)
+    back.arrive_from(again, -1)
+    assert back.edits == session.edits
+    assert np.array_equal(back.weights, session.weights)
 
 
 @pytest.mark.parametrize("fps", [None, 30.0, 30000 / 1001])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -201,15 +202,29 @@ def test_the_length_at_another_rate_counts_the_gaps_of_the_take(
     assert asked.questions[0][1:] == (180, 60.0)
 
 
-def test_the_same_rate_changes_nothing(
+def test_the_question_says_what_another_rate_changes_and_the_same_rate_changes_nothing(
     bench: Bench, answered: Callable[[float | None], Asked]
 ) -> None:
     window = bench.editing()
-    session = session_of(window)
-    answered(60.0)
-    trigger(window, "frame_rate")
-    assert session_of(window) is session
-    assert not window.workspace.opener.is_reading
+    session, asked = session_of(window), answered(60.0)
+    fill = Edit(CONTROL_IDS, Op.FILL, 1.0, 1.4, 0.0)
+    reset, raised = replace(fill, op=Op.RESET), Edit(("mouth_opening",), Op.OFFSET, 2, 2.2, 0.1, 3)
+    off, stay = replace(raised, enabled=False), " Edits stay on their frames, but"
+    for edits, said in {
+        (): "",
+        (reset, off): "",
+        (fill,): f"{stay} fills get other motion.",
+        (raised,): f"{stay} may look slightly different.",
+        (
+            fill,
+            raised,
+        ): f"{stay} fills get other motion, and other edits may look slightly different.",
+    }.items():
+        session.put(edits)
+        trigger(window, "frame_rate")
+        assert asked.questions.pop()[0] == f"What is the frame rate of take.csv?{said}"
+        assert session_of(window) is session
+        assert not window.workspace.opener.is_reading
 
 
 def test_a_project_opens_at_the_rate_it_was_saved_with(

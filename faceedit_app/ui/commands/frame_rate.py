@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QEventLoop
 
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.formats.timing import format_rate
 from faceedit_app.ui.commands import dialogs
@@ -38,7 +39,7 @@ class FrameRate:
             return
         clip, name = session.take.clip, session.take.path.name
         frames = round(clip.duration * clip.rate)  # with those of gaps, which last longer as well
-        question = f"What is the frame rate of {name}?"
+        question = f"What is the frame rate of {name}?{_what_changes(session.edits)}"
         rate = dialogs.ask_rate(self._workspace.window, question, frames, clip.rate)
         if rate is None or rate == clip.rate:
             return
@@ -87,3 +88,22 @@ class FrameRate:
         workspace.opener.open(path, prepare, shown, project, rate)
         while workspace.opener.is_reading:
             QCoreApplication.processEvents(_NO_INPUT)
+
+
+def _what_changes(edits: Sequence[Edit]) -> str:
+    """What another frame rate does to edits, a sentence to be added to the question.
+
+    They are answered in seconds: the same frames are slower or quicker motion then. A fill looks
+    for donors that move as the frames around it, and finds others.
+    """
+    kinds = {edit.op for edit in edits if edit.effect is not None} - {Op.RESET}
+    if not kinds:
+        return ""
+    different = "may look slightly different"
+    if kinds == {Op.FILL}:
+        what = "fills get other motion"
+    elif Op.FILL in kinds:
+        what = f"fills get other motion, and other edits {different}"
+    else:
+        what = different
+    return f" Edits stay on their frames, but {what}."
