@@ -14,7 +14,7 @@ from faceedit_app.editing.edits.describe import describe, describe_edits
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import Placement, sound_moved
 from faceedit_app.editing.edits.settings import Settings
-from faceedit_app.editing.steps import EditState, Steps
+from faceedit_app.editing.steps import EditState, Origin, Steps
 from faceedit_app.words.transcript import Transcript
 
 # What a project holds of a take.
@@ -44,6 +44,7 @@ class EditHistory(ABC):
         self._rate = rate
         self._steps = Steps(rate)
         self._saved, self._saved_rate = self._steps.state, rate
+        self._origin = Origin(self._steps.state, rate)
 
     @abstractmethod
     def _show(self, state: EditState) -> None:
@@ -93,9 +94,15 @@ class EditHistory(ABC):
         }
         return tuple(part for part, has_changed in changed.items() if has_changed)
 
+    @property
+    def origin(self) -> Origin:
+        """Where Undo would lead after a crash and a recovery."""
+        return self._origin
+
     def mark_saved(self) -> None:
         """Note that the present state is saved."""
         self._saved, self._saved_rate = self.state, self._rate
+        self._origin = Origin(self.state, self._rate)
         self._steps.seal()  # so that Undo can return to what is in the file
 
     # --- gestures ----------------------------------------------------------------------------
@@ -294,23 +301,25 @@ class EditHistory(ABC):
         """Go to another state, such as one from a file, as one step."""
         self._change(state, name)
 
-    def recover(self, state: EditState, rate: float | None) -> None:
-        """Go to the state of a session that crashed, as one step; its frame rate is not saved.
+    def recover(self, state: EditState, origin: Origin) -> None:
+        """Go to the state of a session that crashed, as one step, whatever was done before.
 
         Args:
-            rate: to which Undo goes back, as `Take.fps`.
+            origin: that of the session, to which Undo goes back.
         """
-        self._saved_rate = None
-        if rate == self._rate:
-            self.restore(state)
-            return
-        self._steps.rate = rate
-        self._steps.change_rate("Recovery", self._rate, state)
+        self._origin = origin
+        saved = origin if origin.is_saved else Origin()
+        self._saved, self._saved_rate = saved.state, saved.rate
+        self._steps.begin_with(origin.state)
+        if (origin.state, origin.rate) != (state, self._rate):
+            self._steps.rate = origin.rate
+            self._steps.step_to("Recovery", self._rate, state)
         self._arrive()
 
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
+        self._origin = Origin(state, self._rate, is_saved=False)
         self._arrive(is_step=False)
 
     def continue_from(
@@ -324,7 +333,7 @@ class EditHistory(ABC):
             change: what becomes of the present state.
         """
         self._take_over(other)
-        self._steps.change_rate(name, self._rate, change(other.state))
+        self._steps.step_to(name, self._rate, change(other.state))
         self._arrive()
 
     def arrive_from(self, other: EditHistory, steps: int) -> None:
@@ -339,7 +348,7 @@ class EditHistory(ABC):
 
     def _take_over(self, other: EditHistory) -> None:
         self._steps.continue_from(other._steps)
-        self._saved, self._saved_rate = other._saved, other._saved_rate
+        self._saved, self._saved_rate, self._origin = other._saved, other._saved_rate, other._origin
 
     def _with_media(self, media: Placement) -> EditState:
         words = self.state.words

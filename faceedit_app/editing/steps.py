@@ -34,6 +34,21 @@ class EditState:
 
 
 @dataclass(frozen=True)
+class Origin:
+    """What a take was opened with, or saved last: where Undo leads after a recovery.
+
+    Attributes:
+        state: its state then.
+        rate: its frame rate then, as `Take.fps`; the times in `state` are those at that rate.
+        is_saved: whether its files hold all of that.
+    """
+
+    state: EditState = field(default_factory=EditState)
+    rate: float | None = None
+    is_saved: bool = True
+
+
+@dataclass(frozen=True)
 class Step:
     """One entry of the history.
 
@@ -175,15 +190,16 @@ class Steps:
         self.done, self.undone, self.rate = [*other.done], [*other.undone], other.rate
         self._go_to(other.state)
 
-    def change_rate(self, name: str, rate: float | None, state: EditState) -> None:
-        """Add a step that changes the take's frame rate.
+    def step_to(self, name: str, rate: float | None, state: EditState) -> None:
+        """Add a step to a state as it is, also if the take has another frame rate there.
 
         Args:
-            rate: the new one, as `Take.fps`.
-            state: the present state in times of the take at that rate.
+            rate: the take's frame rate from now on, as `Take.fps`.
+            state: in times of the take at that rate; nothing in it follows retimes.
         """
         self.undone = []
-        self.done.append(Step(name, self.state, state, (self.rate, rate)))
+        rates = (self.rate, rate) if rate != self.rate else None
+        self.done.append(Step(name, self.state, state, rates))
         self.rate = rate
         self._go_to(state)
 

@@ -16,7 +16,7 @@ from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.steps import EditState
+from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.formats.take import Take
 
 MOUTH = CONTROL_INDEX["mouth_opening"]
@@ -253,3 +253,48 @@ def test_nothing_lies_before_the_state_of_a_project(session: EditSession) -> Non
     assert not session.can_undo
     assert not session.can_redo
     assert not session.is_saved
+
+
+@pytest.mark.parametrize("is_saved", [True, False])
+@pytest.mark.parametrize("rate", [None, 25.0])
+def test_undo_of_a_recovery_leads_to_what_had_been_opened_or_saved(
+    rate: float | None, is_saved: bool
+) -> None:
+    """To the edits of a project, and to the frame rate that a take without times had then."""
+    stretch = Edit(CONTROL_IDS, Op.RETIME, 0.5, 1.5, 0.0, pins=((0.9, 1.1),))
+    before = EditState((replace(stretch, pins=((0.9, 1.0),)), A))
+    after = EditState((stretch, A, B), Settings(naturalness=0.5))
+    session = session_by_rig(take())
+    session.recover(after, Origin(before, rate, is_saved))
+    assert session.state == after, "A does not follow the retime a second time"
+    assert session.origin == Origin(before, rate, is_saved)
+    assert not session.is_saved
+    assert session.rate_after(-1) == rate
+    if rate is not None:
+        at_rate = session_by_rig(replace(take(), fps=rate))
+        at_rate.arrive_from(session, -1)
+        session = at_rate
+    else:
+        session.undo()
+    assert session.state == before
+    assert session.is_saved is is_saved
+    assert not session.can_undo
+    assert session.origin == Origin(before, rate, is_saved), "it may crash again"
+    assert (session.asked != session.tracked).any()
+
+
+def test_a_recovery_of_what_was_opened_has_nothing_to_undo() -> None:
+    session = session_by_rig(take())
+    session.recover(EditState((A,)), Origin(EditState((A,)), is_saved=False))
+    assert (session.edits, session.can_undo, session.is_saved) == ((A,), False, False)
+    assert (session.asked != session.tracked).any()
+
+
+def test_the_origin_is_what_was_opened_until_something_is_saved(session: EditSession) -> None:
+    assert session.origin == Origin()
+    session.begin_with(EditState((B, C)))
+    session.add(A)
+    assert session.origin == Origin(EditState((B, C)), is_saved=False)
+    session.mark_saved()
+    session.undo()
+    assert session.origin == Origin(EditState((B, C, A)))

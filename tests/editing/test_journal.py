@@ -23,7 +23,7 @@ from faceedit_app.editing.files import journal as journal_module
 from faceedit_app.editing.files.fingerprint import KnownFile, fingerprint
 from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import open_elsewhere, pending_journals
-from faceedit_app.editing.steps import EditState
+from faceedit_app.editing.steps import EditState, Origin
 
 DEMO = shipped("assets/demo_take.csv")
 
@@ -72,7 +72,8 @@ def crash(journal: Journal) -> Path:
 def test_last_gesture_comes_back(tmp_path: Path, count: int) -> None:
     began = time.time()
     project = KnownFile(tmp_path / "p.faceedit", fingerprint(DEMO))
-    journal = Journal(DEMO, project, folder=tmp_path / "new" / "folder")
+    origin = Origin(STATES[-count], 25.0, is_saved=count % 2 == 0)
+    journal = Journal(DEMO, project, folder=tmp_path / "new" / "folder", origin=origin)
     for state in STATES[:count]:
         journal.record(state)
     assert journal.note == ""
@@ -83,6 +84,7 @@ def test_last_gesture_comes_back(tmp_path: Path, count: int) -> None:
     assert pending.take == DEMO.absolute()
     assert pending.fingerprint == fingerprint(DEMO)
     assert pending.project == project
+    assert pending.origin == origin
     assert began - 1.0 <= pending.when <= time.time() + 1.0  # clocks of files are coarse
     pending.discard()
     assert pending_journals(journal.path.parent) == []
@@ -136,12 +138,16 @@ def test_gestures_after_a_save_are_recovered_whole(tmp_path: Path) -> None:
     journal = Journal(DEMO, folder=tmp_path)
     journal.record(STATES[2])
     project = KnownFile(tmp_path / "p.faceedit", fingerprint(DEMO))
-    journal.saved(project)
+    journal.saved(project, Origin(STATES[2]))
     journal.record(STATES[3])
-    crash(journal)
+    path = crash(journal)
     (pending,) = pending_journals(tmp_path)
     assert (pending.state, pending.gestures) == (STATES[3], 1)
     assert pending.project == project
+    assert pending.origin == Origin(STATES[2])
+    path.write_bytes(path.read_bytes().replace(b'"saved":true', b'"saved":7', 1))
+    (damaged,) = pending_journals(tmp_path)
+    assert (damaged.state, damaged.origin) == (STATES[3], None)
 
 
 def test_the_character_that_was_shown_last_is_recovered(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from faceedit_app.editing.files.fingerprint import Fingerprint
 from faceedit_app.editing.files.journal import Journal
 from faceedit_app.editing.files.pending import pending_journals
 from faceedit_app.editing.files.project import Project, read_project, write_project
-from faceedit_app.editing.steps import EditState
+from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.formats.opening import open_take
 
 PRINT = Fingerprint(3, "0" * 64)
@@ -77,12 +77,15 @@ def test_a_project_remembers_the_rate(tmp_path: Path, fps: float | None) -> None
 
 
 @pytest.mark.parametrize("fps", [None, 30.0])
-def test_a_journal_remembers_the_rate(tmp_path: Path, fps: float | None) -> None:
+@pytest.mark.parametrize("before", [None, 25.0])
+def test_a_journal_remembers_the_rate_and_the_one_before_it(
+    tmp_path: Path, fps: float | None, before: float | None
+) -> None:
     take = tmp_path / "take.csv"
     take.write_text("x")
-    journal = Journal(take, folder=tmp_path, fps=fps)
+    journal = Journal(take, folder=tmp_path, fps=fps, origin=Origin(rate=before))
     journal.record(EditState((EDIT,)))
     (tmp_path / "copy.jsonl").write_bytes(journal.path.read_bytes())
     journal.close()
     (pending,) = pending_journals(tmp_path)
-    assert pending.fps == fps
+    assert (pending.fps, pending.origin) == (fps, Origin(rate=before))

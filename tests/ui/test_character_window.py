@@ -265,9 +265,16 @@ def test_recovery_and_projects_remember_the_character_and_projects_find_it_when_
     assert window.close()
     crashed.write_bytes(content)
     monkeypatch.setattr(dialogs, "ask_recover", lambda *_: dialogs.Recover.RECOVER)
-    again = bench.window()
+    again, said = bench.window(start=False), list[str]()
+    again.workspace.message.connect(said.append)
+    again.start()
     bench.qtbot.waitUntil(lambda: again.document.character is not None)
     assert len(session_of(again).edits) == 2, "recovered"
+    assert said[0].endswith(": 2 edits; a single Undo goes back to scene.faceedit")
+    trigger(again, "undo")
+    assert len(session_of(again).edits) == 1, "that of the project"
+    assert not again.isWindowModified()
+    trigger(again, "redo")
     trigger(again, "save")
     assert '"head.glb"' in project.read_text(encoding="utf-8").replace("../", "")
     elsewhere = tmp_path / "moved" / "renamed.glb"

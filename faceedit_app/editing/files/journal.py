@@ -25,13 +25,14 @@ from faceedit_app.core.filelock import lock
 from faceedit_app.editing.edits.edit import Edit, to_json
 from faceedit_app.editing.edits.media import to_json as placement_to_json
 from faceedit_app.editing.files.fingerprint import Fingerprint, KnownFile, fingerprint
-from faceedit_app.editing.steps import EditState
+from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.words.transcript import to_json as words_to_json
 
 VERSION = 1
 SUFFIX = ".jsonl"
 NEW_SUFFIX = ".new"
 EXPORTED_OVER, CHARACTER = "exported_over", "character"  # fields that also have their own lines
+ORIGIN = "origin"
 _LONG = 32 * 2**20  # bytes; a longer journal is written again without what no longer matters
 _PATIENCE = 1.0  # seconds to wait for a slow disk when closing
 _CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -56,6 +57,7 @@ class Journal:
         opened: the fingerprint of the take as it was opened; None = that of the file now.
         exported_over: the fingerprint of what was exported over the take, if anything was.
         character: the user's character, if one is shown.
+        origin: where Undo is to lead after a recovery; None if that is not known.
     """
 
     def __init__(
@@ -67,12 +69,13 @@ class Journal:
         opened: Fingerprint | None = None,
         exported_over: Fingerprint | None = None,
         character: Path | None = None,
+        origin: Origin | None = None,
     ) -> None:
         self.note = ""
         self.path = (folder or journal_folder()) / f"{uuid.uuid4().hex}{SUFFIX}"
         self.take, self._project, self._fps = take.absolute(), project, fps
         self._print, self._exported_over = opened, exported_over
-        self._character = character
+        self._character, self._origin = character, origin
         if opened is None:
             with contextlib.suppress(FileError):
                 self._print = fingerprint(take)
@@ -192,8 +195,14 @@ class Journal:
         if old is not None:
             os.close(old)
 
-    def saved(self, project: KnownFile | None = None) -> None:
-        """Forget the gestures so far: they are saved."""
+    def saved(self, project: KnownFile | None = None, origin: Origin | None = None) -> None:
+        """Forget the gestures so far: they are saved.
+
+        Args:
+            project: the project that holds them, if it is another one now.
+            origin: where Undo is to lead now; None if that is not known.
+        """
+        self._origin = origin
         if project is not None:
             self._project = project
         if self._file is None:
@@ -234,6 +243,10 @@ class Journal:
             head[EXPORTED_OVER] = asdict(self._exported_over)
         if self._character is not None:
             head[CHARACTER] = self._shown
+        if self._origin is not None:
+            head[ORIGIN] = _whole(self._origin.state) | {"saved": self._origin.is_saved}
+            if self._origin.rate is not None:
+                head[ORIGIN]["fps"] = self._origin.rate
         return head
 
     def _append(self, entry: dict[str, Any]) -> bool:

@@ -21,7 +21,7 @@ from faceedit_app.editing.files.fingerprint import (
     original_of,
 )
 from faceedit_app.editing.files.project import exported_over_from, settings_from
-from faceedit_app.editing.steps import EditState
+from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.formats.timing import counted
 from faceedit_app.words.transcript import transcript_from
 
@@ -43,6 +43,7 @@ class Pending:
         fps: the take's frame rate, if the user had to give it.
         exported_over: the fingerprint of what was exported over the take, if anything was.
         character: the user's character, if one was shown.
+        origin: where Undo is to lead; None if its journal does not say that, as older ones do not.
     """
 
     path: Path
@@ -55,6 +56,7 @@ class Pending:
     fps: float | None = None
     exported_over: Fingerprint | None = None
     character: Path | None = None
+    origin: Origin | None = None
 
     @property
     def counted_edits(self) -> str:
@@ -155,7 +157,7 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
             project = KnownFile(Path(head.path("project")), _mark(head, "project_fingerprint"))
         fps = head.number_or_none("fps", 1.0, 1000.0)
         exported_over = exported_over_from(head)
-        character = _character(head)
+        character, origin = _character(head), _origin(head)
     except ValueError:
         return None
     state, step, gestures = None, 0, 0
@@ -175,9 +177,8 @@ def _read(path: Path, content: bytes, when: float) -> Pending | None:
         gestures += 1
     if state is None:
         return None
-    return Pending(
-        path, take, print_, project, state, gestures, when, fps, exported_over, character
-    )
+    more = fps, exported_over, character, origin
+    return Pending(path, take, print_, project, state, gestures, when, *more)
 
 
 def _without_gestures(content: bytes) -> bool:
@@ -196,6 +197,26 @@ def _character(entry: Fields) -> Path | None:
     return Path(shown.path("path")) if shown is not None else None
 
 
+def _origin(head: Fields) -> Origin | None:
+    """Where Undo is to lead; None if that is missing or damaged: the gestures count more."""
+    with contextlib.suppress(ValueError):
+        if (entry := head.fields_or_none(journal.ORIGIN)) is not None:
+            rate = entry.number_or_none("fps", 1.0, 1000.0)
+            return Origin(_whole(entry), rate, entry.flag("saved", False))
+    return None
+
+
+def _whole(entry: Fields) -> EditState:
+    """The state in an entry that does not depend on the one before it.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    media = placement_from(entry.fields_or_none("media"))
+    words = transcript_from(entry.fields_or_none("words"))
+    return EditState(edits_from(entry), settings_from(entry.fields("settings")), media, words)
+
+
 def _mark(head: Fields, name: str) -> Fingerprint | None:
     """A fingerprint in the first line, if it is there.
 
@@ -212,9 +233,7 @@ def _replay(state: EditState | None, step: int, entry: Fields) -> EditState:
         ValueError: the entry is damaged, or a gesture before it is missing.
     """
     if entry.has("edits"):
-        media = placement_from(entry.fields_or_none("media"))
-        words = transcript_from(entry.fields_or_none("words"))
-        return EditState(edits_from(entry), settings_from(entry.fields("settings")), media, words)
+        return _whole(entry)
     if state is None or entry.whole("step") != step + 1:
         raise ValueError("a line is missing")
     edits = list(state.edits)

@@ -33,7 +33,7 @@ from faceedit_app.editing.files.project import (
 from faceedit_app.editing.help.presets import read_preset, save_preset
 from faceedit_app.editing.opening import open_session, shipped_rig
 from faceedit_app.editing.session import EditSession
-from faceedit_app.editing.steps import EditState
+from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.formats.opening import encoded_take
 from faceedit_app.lab.attacks.reader import Reader, Wrong, reader_of
 from faceedit_app.lab.attacks.valid_takes import small_take
@@ -126,8 +126,9 @@ def _read_project(path: Path) -> None:
 
 
 def _journal(take: Path, folder: Path) -> bytes:
-    """Three gestures, the last with words."""
-    journal = Journal(take, folder=folder / "journals")
+    """Three gestures in a project with an edit, the last with words."""
+    origin = Origin(EditState(_EDITS[:1]), 30.0)
+    journal = Journal(take, folder=folder / "journals", origin=origin)
     for count in (1, 2, 3):
         journal.record(EditState(_EDITS[:count], words=SAID if count == 3 else None))
     content = journal.path.read_bytes()

@@ -26,6 +26,7 @@ from faceedit_app.editing.files.project import (
     read_project,
 )
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.state.time_display import Unit
 
@@ -241,9 +242,10 @@ def _open_recovered(
     """Open a take with the edits of a session that crashed; then show warnings."""
 
     def prepare(session: EditSession) -> None:
-        # A file that tells its rate has that again after Undo; another is never without one.
-        opened = session.take
-        session.recover(pending.state, opened.fps if opened.own_rate is None else None)
+        opened, origin = session.take, pending.origin or Origin(is_saved=False)
+        if origin.rate is None and opened.own_rate is None:  # such a take is never without a rate
+            origin = replace(origin, rate=opened.fps)
+        session.recover(pending.state, origin)
         if take == pending.take:
             session.exported_over = pending.exported_over
 
@@ -251,10 +253,8 @@ def _open_recovered(
         pending.discard()
         for note in notes:
             workspace.warning.emit(note)
-        workspace.message.emit(
-            f"Recovered your work on {pending.take.name}{pending.counted_edits}; "
-            "a single Undo takes it all back"
-        )
+        recovered = f"Recovered your work on {pending.take.name}{pending.counted_edits}"
+        workspace.message.emit(f"{recovered}{_undone_by_one(workspace, pending)}")
         if pending.character is not None:
             _open_character(workspace, CharacterFile(pending.character), take)
         session = workspace.session
@@ -262,3 +262,13 @@ def _open_recovered(
             workspace.warning.emit(f"{take.name} is not the take that these edits were made on")
 
     workspace.opener.open(take, prepare, opened, pending.project, pending.fps)
+
+
+def _undone_by_one(workspace: Workspace, pending: Pending) -> str:
+    """Where Undo leads after a recovery, to be added to a sentence."""
+    session = workspace.session
+    if session is None or not session.can_undo:
+        return ""
+    if session.origin.state == EditState() or pending.project is None:
+        return "; a single Undo takes it all back"
+    return f"; a single Undo goes back to {pending.project.path.name}"

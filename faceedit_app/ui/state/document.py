@@ -139,6 +139,7 @@ class Document(QObject):
             opened=session.fingerprint,
             exported_over=session.exported_over,
             character=self._character_path,
+            origin=session.origin,
         )
         session.stepped.connect(self._journal.record)
         session.exporting.connect(self._journal.exporting)
@@ -167,8 +168,8 @@ class Document(QObject):
             self._journal = None
 
     def _is_saved(self) -> None:
-        if self._journal is not None:
-            self._journal.saved(self.project_file)
+        if self._journal is not None and self.session is not None:
+            self._journal.saved(self.project_file, self.session.origin)
         self.saved.emit()
 
     # --- changes to the open take ----------------------------------------------------------------
