@@ -18,7 +18,8 @@ from faceedit_app.editing.steps import EditState, Origin, Steps
 from faceedit_app.words.transcript import Transcript
 
 # What a project holds of a take.
-EDITS, MEDIA, WORDS, RATE = "edits", "sound and film", "words", "frame rate"
+EDITS, SOUND, FILM, WORDS, RATE = "edits", "sound", "film", "words", "frame rate"
+MEDIA = "changes to sound and film"  # such that there are none now
 
 
 class EditHistory(ABC):
@@ -79,16 +80,19 @@ class EditHistory(ABC):
 
     @property
     def unsaved(self) -> tuple[str, ...]:
-        """What has changed since it was saved: `EDITS`, with their settings, `MEDIA` and so on.
+        """What has changed since it was saved: `EDITS`, with their settings, `SOUND` and so on.
 
         Without edits there is nothing that the settings could answer, so they can wait.
         """
         state, saved = self.state, self._saved
         settings_count = bool(state.edits or saved.edits)
+        old, new = saved.media or Placement(), state.media or Placement()
         changed = {
             EDITS: state.edits != saved.edits
             or (settings_count and state.settings != saved.settings),
-            MEDIA: state.media != saved.media,
+            SOUND: new.sound != old.sound,
+            FILM: new.film != old.film,
+            MEDIA: new == old and state.media != saved.media,
             WORDS: state.words != saved.words,
             RATE: self._rate != self._saved_rate,
         }
@@ -308,8 +312,9 @@ class EditHistory(ABC):
             origin: that of the session, to which Undo goes back.
         """
         self._origin = origin
-        saved = origin if origin.is_saved else Origin()
-        self._saved, self._saved_rate = saved.state, saved.rate
+        is_saved = origin.is_saved
+        self._saved = origin.state if is_saved else _nothing_of(origin.state)
+        self._saved_rate = origin.rate if is_saved else None
         self._steps.begin_with(origin.state)
         if (origin.state, origin.rate) != (state, self._rate):
             self._steps.rate = origin.rate
@@ -319,6 +324,7 @@ class EditHistory(ABC):
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
+        self._saved = _nothing_of(state)
         self._origin = Origin(state, self._rate, is_saved=False)
         self._arrive(is_step=False)
 
@@ -371,3 +377,8 @@ class EditHistory(ABC):
         if is_step:
             self.stepped.emit(self.state)
         self.changed.emit()
+
+
+def _nothing_of(state: EditState) -> EditState:
+    """What is saved of a state that is in no file: that it has no sound and film needs none."""
+    return EditState(media=state.media) if state.media == Placement() else EditState()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,9 @@ from support.sessions import session_by_rig, strengthen, switch, take_of
 from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.settings import Settings
+from faceedit_app.editing.history import EDITS, SOUND
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.steps import EditState, Origin
 from faceedit_app.formats.take import Take
@@ -281,6 +284,16 @@ def test_undo_of_a_recovery_leads_to_what_had_been_opened_or_saved(
     assert not session.can_undo
     assert session.origin == Origin(before, rate, is_saved), "it may crash again"
     assert (session.asked != session.tracked).any()
+
+
+def test_a_project_without_sound_and_film_has_none_to_save(session: EditSession) -> None:
+    """Before it is in a file that it belongs to: its take had to be shown."""
+    session.begin_with(EditState((B,), media=Placement()))
+    assert session.unsaved == (EDITS,)
+    session.recover(EditState((B, C), media=Placement()), session.origin)
+    assert session.unsaved == (EDITS,)
+    session.place(Placement(MediaFile(Path("/voice.wav"))))
+    assert session.unsaved == (EDITS, SOUND)
 
 
 def test_a_recovery_of_what_was_opened_has_nothing_to_undo() -> None:

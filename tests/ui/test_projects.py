@@ -12,14 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.waiting import run_events, wait_for_background
-from support.windows import Bench, session_of
+from support.windows import Bench, drop, session_of, trigger
 
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
+from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.pending import Pending, pending_journals
+from faceedit_app.editing.files.project import Project, ViewState, write_project
 from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover, Unsaved
+from faceedit_app.ui.commands.unsaved import question_about
 from faceedit_app.ui.start.window import MainWindow
 
 
@@ -65,22 +68,43 @@ def test_a_project_comes_back_as_it_was(bench: Bench) -> None:
     assert [path.name for path in bench.preferences().recent()] == ["scene.faceedit", "take.csv"]
 
 
-@pytest.mark.parametrize("ending", [".bak", ".bak2"])
+@pytest.mark.parametrize("way", ["dialog", "drop", "command line"])
 def test_a_kept_copy_of_a_project_opens_and_nothing_is_saved_over_it(
-    bench: Bench, ending: str
+    bench: Bench, way: str
 ) -> None:
-    path = saved_project(bench)
-    kept = path.rename(path.with_name(f"scene.faceedit{ending}"))
+    kept = bench.folder / f"scene.faceedit.bak{'2' if way == 'drop' else ''}"
+    wider = Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, 6.0, name="wider")
+    view = ViewState(selection=(1.0, 2.0))
+    write_project(kept, Project(bench.take, fingerprint(bench.take), EditState((wider,)), view))
     before = kept.read_bytes()
-    window = open_again(bench, kept)
+    said: list[str] = []
+    window = bench.window(start=False) if way == "command line" else bench.editing()
+    window.workspace.message.connect(said.append)
+    if way == "command line":
+        window.start(kept)
+    elif way == "drop":
+        drop(window, kept)
+    else:
+        bench.answers["open"] = kept
+        trigger(window, "open")
+    bench.qtbot.waitUntil(lambda: window.timeline.selection is not None, timeout=15_000)
     assert [edit.name for edit in session_of(window).edits] == ["wider"]
     assert window.timeline.selection == pytest.approx((1.0, 2.0))
-    assert "is open as a copy" in window.status.currentMessage()
-    assert window.isWindowModified(), "it is in no project yet"
+    assert f"{kept.name} is open as a copy: Save asks for its name" in said
+    document = window.document
+    assert not document.loses_by_closing, "the copy holds it"
+    assert not window.isWindowModified()
+    away = kept.rename(kept.with_name("away"))
+    assert document.loses_by_closing
+    assert question_about(document)[0] == "Your edits to take.csv are not saved in a project."
+    away.rename(kept)
+    add_edit(window)
+    assert window.isWindowModified()
+    assert question_about(document)[0] == "Your edits to take.csv are not saved in a project."
     again = bench.answers["save_project"] = bench.folder / "again.faceedit"
-    window.actions_["save"].trigger()
+    trigger(window, "save")
     assert not bench.answers, "it asks for a name"
-    assert window.document.project == again
+    assert document.project == again
     assert not window.isWindowModified()
     assert kept.read_bytes() == before
     assert kept not in bench.preferences().recent()

@@ -245,9 +245,21 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
         "Your words of take.csv are not saved in a project.",
         "If you discard them, they are lost.",
     )
-    session.place(Placement(MediaFile(bench.folder / "other.wav", 0.5)))
+    session.undo()
+    sound = MediaFile(bench.folder / "other.wav", 0.5)
+    for media, said in {
+        Placement(sound): "The sound of take.csv is not saved in a project.",
+        Placement(film=sound): "The film of take.csv is not saved in a project.",
+        Placement(sound, sound): "Your sound and film of take.csv are not saved in a project.",
+        Placement(): "Your changes to sound and film of take.csv are not saved in a project.",
+    }.items():
+        session.place(media)
+        assert question_about(document)[0] == said
+        trigger(window, "undo")
+    session.say(Transcript((Word("blue", 0.1, 0.4),)))
+    session.place(Placement(sound))
     add_edit(window)
-    assert question_about(document)[0].startswith("Your edits, sound, film and words of take.csv")
+    assert question_about(document)[0].startswith("Your edits, sound and words of take.csv")
     for _ in range(3):
         trigger(window, "undo")
     add_edit(window)

@@ -81,8 +81,7 @@ def open_project(
 ) -> None:
     """Read a project in the background, find its take, and open it.
 
-    The copy of a project that was replaced opens as work that is not saved in any project yet:
-    nothing is saved over it.
+    The copy of a project that was replaced opens as well, and nothing is saved over it.
 
     Args:
         ask: which file is the take, where that is in doubt; given why it is, and likely ones.
@@ -152,26 +151,24 @@ def _open_take(
         note: a warning once it is open; "" for none.
     """
 
-    own = None if is_kept_project(file.path) else file
-
     def prepare(session: EditSession) -> None:
         # What stands beside the take by chance is not the project's.
         media = Placement(project.audio, project.film)
         session.begin_with(replace(project.state, media=media))
         if take == project.take:
             session.exported_over = project.exported_over
-        if was_found and own is not None:
+        if was_found:
             session.mark_saved()
 
     def opened() -> None:
-        if own is None:
+        if is_kept_project(file.path):
             workspace.message.emit(f"{file.path.name} is open as a copy: Save asks for its name")
         if note:
             workspace.warning.emit(note)
         restore_view(workspace, project.view)
         _open_character(workspace, project.character, file.path)
 
-    workspace.opener.open(take, prepare, opened, own, project.fps)
+    workspace.opener.open(take, prepare, opened, file, project.fps)
 
 
 def _open_character(workspace: Workspace, wanted: CharacterFile | None, path: Path) -> None:

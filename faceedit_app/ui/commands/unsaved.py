@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from faceedit_app.core.texts import listed
-from faceedit_app.editing.history import EDITS, MEDIA, RATE, WORDS
+from faceedit_app.editing.history import EDITS, FILM, RATE, SOUND
 from faceedit_app.ui.state.document import Document
-
-_ONE = {EDITS: "edits to", WORDS: "words of", RATE: "frame rate of", MEDIA: "sound and film of"}
 
 
 def question_about(document: Document, left_out: bool = False) -> tuple[str, str]:
@@ -21,7 +19,7 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
     """
     session, project, exported = document.session, document.project, document.exported
     assert session is not None
-    name, parts = session.take.path.name, session.unsaved
+    name, parts = session.take.path.name, session.unsaved or (EDITS,)
     more = "If you discard them, they are lost."
     if project is not None:
         message = f"Your latest changes to {name} are not saved in {project.name}."
@@ -30,12 +28,14 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
                 f"{project.name} does not hold your work on {name} any more: another window, or "
                 "another program, has changed it or taken it away."
             )
-            parts, more = parts or (EDITS,), "If you discard it, it is lost."
+            more = "If you discard it, it is lost."
         save = "save the project"
     else:
-        words = listed(word for part in parts for word in part.split(" and "))
-        what = _ONE[parts[0]] if len(parts) == 1 else f"{words} of"
+        what = "edits to" if parts == (EDITS,) else f"{listed(parts)} of"
         message = f"Your {what} {name} are not saved in a project."
+        if parts in ((SOUND,), (FILM,)):
+            message = f"The {what} {name} is not saved in a project."
+            more = "If you discard it, it is lost."
         save = "save them in a project"
     if parts == (RATE,) and document.is_in_project:
         message = f"The frame rate that you gave {name} is not saved in a project."

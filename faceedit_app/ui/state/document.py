@@ -12,6 +12,7 @@ from PySide6.QtCore import QCoreApplication, QEventLoop, QObject, Signal
 from faceedit_app.core import on_disk
 from faceedit_app.core.atomic import is_same_file
 from faceedit_app.core.errors import FaceEditError
+from faceedit_app.editing.files import is_kept_project
 
 if TYPE_CHECKING:  # the window is there before the solver and the networks are imported
     from faceedit_app.characters.fitted import FittedCharacter
@@ -35,7 +36,8 @@ class Document(QObject):
 
     Attributes:
         path: the take's file.
-        project_file: the project's file as it was read or saved last, if there is one.
+        project_file: the project's file as it was read or saved last, if there is one. It may be
+            the copy of a project that was replaced, which is not written.
         exported: the file that the take was last exported to.
 
     Signals:
@@ -72,8 +74,9 @@ class Document(QObject):
 
     @property
     def project(self) -> Path | None:
-        """The project's file, if there is one."""
-        return self.project_file.path if self.project_file is not None else None
+        """The project's file, to which it is saved, if there is one."""
+        file = self.project_file
+        return file.path if file is not None and not is_kept_project(file.path) else None
 
     @property
     def is_clean(self) -> bool:
@@ -318,7 +321,9 @@ class Document(QObject):
     def _is_own(self, path: Path) -> bool:
         """Whether a file is the open project, and nobody else has changed it."""
         file = self.project_file
-        return file is not None and is_same_file(path, file.path) and not file.was_changed
+        if file is None or is_kept_project(file.path):
+            return False
+        return is_same_file(path, file.path) and not file.was_changed
 
     @property
     def _character_path(self) -> Path | None:
