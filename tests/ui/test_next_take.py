@@ -99,8 +99,13 @@ def test_dialogs_open_beside_the_take(
     assert asked == [other.parent] * 3
 
 
+@pytest.mark.parametrize("is_damaged", [False, True])
 def test_a_take_that_loads_slowly_clears_the_old_one_and_shows_that_it_loads(
-    bench: Bench, window: MainWindow, other: Path, monkeypatch: pytest.MonkeyPatch
+    bench: Bench,
+    window: MainWindow,
+    other: Path,
+    is_damaged: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert window.editor is not None
     may_go_on, read = threading.Event(), loading.open_session
@@ -110,7 +115,10 @@ def test_a_take_that_loads_slowly_clears_the_old_one_and_shows_that_it_loads(
         return read(path, rig, fps)
 
     monkeypatch.setattr(loading, "open_session", slowly)
-    page, start = window.editor, window.start_page
+    page, start, status = window.editor, window.start_page, window.status
+    old, said = open_path(window), status.facts.text()
+    if is_damaged:
+        other.write_text("nothing\n")
     window.banner.offer("The rest is not neutral", "Make it neutral", lambda: None)
     window.commands.file.open(other)
     try:
@@ -119,10 +127,15 @@ def test_a_take_that_loads_slowly_clears_the_old_one_and_shows_that_it_loads(
         assert not page.isVisible()
         assert window.banner.isHidden(), "it is about the old take"
         assert other.name in start.loading.text()
+        status.clearMessage()  # as one that passes does
+        assert not status.facts.isVisible()
     finally:
         may_go_on.set()
     bench.qtbot.waitUntil(page.isVisible)
-    assert open_path(window) == other
+    assert open_path(window) == (old if is_damaged else other)
+    assert not status.facts.isHidden()
+    assert (status.facts.text() == said) is is_damaged
+    assert status.gaps.isHidden(), "it has none to show again"
 
 
 def test_the_title_changes_with_curves_and_face(

@@ -96,12 +96,17 @@ class StatusBar(QStatusBar):
         others = [note for note in take.notes if note not in gaps]
         self._add(self.gaps, gaps[0] if gaps else "", take.notes)
         self._add(self.remarks, counted(len(others), "remark") if others else "", others)
+        self.put_aside(False)
         _mark(self.gaps, True)
+
+    def put_aside(self, on: bool) -> None:
+        """Hide the facts while another take is read, or show them again."""
+        for fact in (self.facts, self.gaps, self.remarks):
+            fact.setVisible(bool(fact.text()) and not on)
 
     @staticmethod
     def _add(fact: _Fact, text: str, details: Sequence[str]) -> None:
         fact.setText(f"{_DOT.lstrip()}{text}" if text else "")  # a label has a margin of its own
-        fact.setVisible(bool(text))
         fact.explain(plain_tip("\n".join(details)))
 
     def _work_display(self) -> QWidget:

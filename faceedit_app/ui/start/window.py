@@ -346,19 +346,19 @@ class MainWindow(WindowBase):
         """Reading takes long: show that instead of the take that it replaces."""
         self._pages.setCurrentWidget(self.start_page)
         self.banner.put_aside(True)
+        self.status.put_aside(True)
 
     def _show_reading(self, text: str) -> None:
         self.actions_.refresh()
         self.start_page.show_loading(text or None)
         if self.document.session is not None and self.editor is not None:
-            # What takes long clears the take that it replaces; if it fails, that one comes back.
-            # A character replaces no take.
+            # The take comes back if it was cleared for one that fails; a character clears none.
             self._pages.setCurrentWidget(self.editor)
             self.banner.put_aside(False)
+            self.status.put_aside(False)
+            self._slow_reading.stop()
             if text and self.workspace.opener.is_reading:
                 self._slow_reading.start()
-            else:
-                self._slow_reading.stop()
         self.status.showMessage(text)  # nothing clears it
 
     # --- window events -----------------------------------------------------------------------
