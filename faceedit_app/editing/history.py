@@ -19,7 +19,6 @@ from faceedit_app.words.transcript import Transcript
 
 # What a project holds of a take.
 EDITS, SOUND, FILM, WORDS, RATE = "edits", "sound", "film", "words", "frame rate"
-MEDIA = "changes to sound and film"  # such that there are none now
 
 
 class EditHistory(ABC):
@@ -35,6 +34,10 @@ class EditHistory(ABC):
 
     Args:
         rate: the take's frame rate, if its file does not say it or is not believed: `Take.fps`.
+
+    Attributes:
+        beside: the sound and film found beside the take, which `EditState.media` None stands for.
+            A function: they may be found and placed at any time.
     """
 
     previewed = Signal()
@@ -46,6 +49,7 @@ class EditHistory(ABC):
         self._steps = Steps(rate)
         self._saved, self._saved_rate = self._steps.state, rate
         self._origin = Origin(self._steps.state, rate)
+        self.beside: Callable[[], Placement] = Placement
 
     @abstractmethod
     def _show(self, state: EditState) -> None:
@@ -86,13 +90,12 @@ class EditHistory(ABC):
         """
         state, saved = self.state, self._saved
         settings_count = bool(state.edits or saved.edits)
-        old, new = saved.media or Placement(), state.media or Placement()
+        old, new = (each.media or self.beside() for each in (saved, state))
         changed = {
             EDITS: state.edits != saved.edits
             or (settings_count and state.settings != saved.settings),
             SOUND: new.sound != old.sound,
             FILM: new.film != old.film,
-            MEDIA: new == old and state.media != saved.media,
             WORDS: state.words != saved.words,
             RATE: self._rate != self._saved_rate,
         }
@@ -380,5 +383,5 @@ class EditHistory(ABC):
 
 
 def _nothing_of(state: EditState) -> EditState:
-    """What is saved of a state that is in no file: that it has no sound and film needs none."""
+    """What counts as saved of a state that is in no file: that it has no sound and film."""
     return EditState(media=state.media) if state.media == Placement() else EditState()

@@ -251,11 +251,24 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
         Placement(sound): "The sound of take.csv is not saved in a project.",
         Placement(film=sound): "The film of take.csv is not saved in a project.",
         Placement(sound, sound): "Your sound and film of take.csv are not saved in a project.",
-        Placement(): "Your changes to sound and film of take.csv are not saved in a project.",
     }.items():
         session.place(media)
         assert question_about(document)[0] == said
-        trigger(window, "undo")
+        session.place(Placement())
+        assert document.is_clean, "it was added and removed"
+        session.travel(-2)
+    beside, session.beside = session.beside, lambda: Placement(sound, sound)
+    session.place(Placement(film=sound))
+    removed = "That you removed the sound of take.csv is not saved in a project."
+    assert question_about(document) == (removed, "If you discard that, it comes back.")
+    session.undo()
+    session.say(Transcript((Word("blue", 0.1, 0.4),)), Placement(sound, sound))
+    assert question_about(document)[0] == "Your words of take.csv are not saved in a project."
+    add_edit(window)
+    session.place(Placement())
+    assert question_about(document)[0].startswith("Your edits, removed sound, removed film and")
+    session.travel(-3)
+    session.beside = beside
     session.say(Transcript((Word("blue", 0.1, 0.4),)))
     session.place(Placement(sound))
     add_edit(window)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from faceedit_app.core.texts import listed
+from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.history import EDITS, FILM, RATE, SOUND
 from faceedit_app.ui.state.document import Document
 
@@ -20,8 +23,8 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
     session, project, exported = document.session, document.project, document.exported
     assert session is not None
     name, parts = session.take.path.name, session.unsaved or (EDITS,)
-    more = "If you discard them, they are lost."
     if project is not None:
+        more = "If you discard them, they are lost."
         message = f"Your latest changes to {name} are not saved in {project.name}."
         if not document.is_in_project:
             message = (
@@ -31,11 +34,7 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
             more = "If you discard it, it is lost."
         save = "save the project"
     else:
-        what = "edits to" if parts == (EDITS,) else f"{listed(parts)} of"
-        message = f"Your {what} {name} are not saved in a project."
-        if parts in ((SOUND,), (FILM,)):
-            message = f"The {what} {name} is not saved in a project."
-            more = "If you discard it, it is lost."
+        message, more = _in_no_project(name, parts, session.state.media or session.beside())
         save = "save them in a project"
     if parts == (RATE,) and document.is_in_project:
         message = f"The frame rate that you gave {name} is not saved in a project."
@@ -51,3 +50,24 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
     if left_out:
         more += " The proposal that you did not accept is not among them."
     return message, more
+
+
+def _in_no_project(name: str, parts: Sequence[str], placed: Placement) -> tuple[str, str]:
+    """What to ask about a take that has no project.
+
+    Args:
+        name: of the take.
+        parts: what has changed, as in `EditHistory.unsaved`.
+        placed: its sound and film; of those that have changed, what is not there was removed.
+    """
+    gone = {part for part, file in ((SOUND, placed.sound), (FILM, placed.film)) if file is None}
+    one = parts[0] if len(parts) == 1 else ""
+    if one in gone:
+        message = f"That you removed the {one} of {name} is not saved in a project."
+        return message, "If you discard that, it comes back."
+    if one in (SOUND, FILM):
+        message = f"The {one} of {name} is not saved in a project."
+        return message, "If you discard it, it is lost."
+    named = listed(f"removed {part}" if part in gone else part for part in parts)
+    what = "edits to" if one == EDITS else f"{named} of"
+    return f"Your {what} {name} are not saved in a project.", "If you discard them, they are lost."

@@ -25,10 +25,10 @@ class MediaSteps(QObject):
         self._is_previewed = False  # the session previews a drag of the sound
         self._waits = False  # for another gesture to end, which no step may interrupt
         self._follows = False
+        document.opened.connect(self._opened)
         media.placed.connect(self._moved)
         media.acted.connect(self._acted)
         document.changed.connect(self._follow)
-        document.opened.connect(self._forget)
 
     def settle(self) -> None:
         """Commit changes."""
@@ -83,5 +83,10 @@ class MediaSteps(QObject):
         self._media.show(self._placement_of(session))
         self._follows = False
 
-    def _forget(self) -> None:
+    def _opened(self) -> None:
         self._is_previewed = self._waits = False
+        if (session := self._document.session) is not None:
+            session.beside = self._beside
+
+    def _beside(self) -> Placement:
+        return self._media.base
