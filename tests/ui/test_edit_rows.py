@@ -46,9 +46,9 @@ def test_a_name_that_says_its_curve_has_room_to_say_how_much(window: MainWindow)
 def test_a_range_beyond_the_take_is_shown_to_its_end(window: MainWindow) -> None:
     line, panel = window.timeline, panel_of(window)
     session_of(window).add(Edit(("mouth_opening",), Op.OFFSET, 2.5, 3.4, 0.1, 4.0))
-    last = f"{line.duration:.2f}"
-    assert panel.model.index(1).data(COLUMNS)[0] == f"2.50 – {last} s"
-    assert panel.model.ends(session_of(window).edits[1]) == f"2.500 – {line.duration:.3f}"
+    last = f"{line.duration:.3f}"
+    assert panel.model.index(1).data(COLUMNS)[0] == f"2.500 – {last} s"
+    assert panel.model.ends(session_of(window).edits[1]) == f"2.500 – {last}"
     assert panel.model.typed_range(f"2.4 – {last}", session_of(window).edits[1]) == (2.4, 3.4)
 
 
@@ -95,8 +95,8 @@ def test_no_edit_is_said_to_begin_before_the_take() -> None:
     assert columns(edit)[0] == "0.000 – 0.030 s"
 
 
-def test_a_short_range_reads_as_long_as_it_is() -> None:
+def test_all_ranges_have_the_decimals_of_the_transport() -> None:
     edit = Edit(("left_eyelid",), Op.SCALE, 1.195, 1.205, 0.04, 1.0)
     assert columns(edit)[0] == "1.195 – 1.205 s"
-    assert columns(replace(edit, end=1.195))[0] == "1.20 s"
-    assert columns(replace(edit, end=1.3))[0] == "1.20 – 1.30 s"
+    assert columns(replace(edit, end=1.195))[0] == "1.195 s"
+    assert columns(replace(edit, end=1.3))[0] == "1.195 – 1.300 s"

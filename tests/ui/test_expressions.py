@@ -101,7 +101,7 @@ def test_the_tab_says_where_a_click_acts(window: MainWindow) -> None:
     assert "whole take" in palette.where.text(), "not in the range of the new edit"
     window.actions_["deselect"].trigger()
     line.select((1.0, 2.0))
-    assert palette.where.text() == "A click acts in the selection, 1.00 to 2.00 s"
+    assert palette.where.text() == "A click acts in the selection, 1.000 to 2.000 s"
     window.actions_["unit_frames"].trigger()
     assert palette.where.text() == "A click acts in the selection, frames 61 to 121"
     palette.buttons["widen"].click()

@@ -143,7 +143,7 @@ def test_a_preset_is_saved_applied_and_deleted(
     window.timeline.select((5.0, 6.0))
     menu.aboutToShow.emit()
     where = menu.actions()[0]
-    assert (where.text(), where.isEnabled()) == ("In the selection, 5.00 to 6.00 s", False)
+    assert (where.text(), where.isEnabled()) == ("In the selection, 5.000 to 6.000 s", False)
     mine = next(a for a in menu.actions() if a.text() == "My smile")
     mine.trigger()
     assert session.edits[0].name
@@ -173,9 +173,9 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     assert session.edits == ()
     line.go_to_time(9.5)
     trigger_enabled(window, "paste")
-    assert "9.50 to 10.00 s" in window.status.currentMessage(), "not beyond the end of the take"
+    assert "9.500 to 10.000 s" in window.status.currentMessage(), "not beyond the end of the take"
     (row,) = {columns(edit, clip)[0] for edit in session_of(window).edits}
-    assert row == "9.50 – 10.00 s", "the list says the same"
+    assert row == "9.500 – 10.000 s", "the list says the same"
 
 
 def test_mirror_swaps_left_and_right(window: MainWindow) -> None:

@@ -46,7 +46,7 @@ _LEFT = 32.0  # pixels left of the name
 _ARROW = 14.0  # of a group
 _RIGHT = 8.0
 _STRENGTH = 50.0
-_RANGE = 116.0  # at least
+_RANGE = 122.0  # at least: as long as two times below 100 s
 _LEAST_NAME = 96.0  # beside a wider range
 _NARROW = 470  # pixels below which the curves' names would leave the edit's no room
 

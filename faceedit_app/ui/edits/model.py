@@ -216,7 +216,7 @@ class EditsModel(QAbstractListModel):
             return " – ".join(label(clip, s, unit) for s in (edit.start, edit.end))
         last = clip.duration if clip is not None else math.inf
         start, end = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
-        return f"{start:.3f} – {end:.3f}"
+        return f"{shown_seconds(start)} – {shown_seconds(end)}"
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         """What can be done with a row; edits are dropped between rows."""
@@ -290,7 +290,7 @@ def columns(
     last = clip.duration if clip is not None else math.inf  # a paste may go on beyond the take
     ends = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
     if clip is None or unit is Unit.SECONDS:
-        start, end = shown_seconds(*ends)
+        start, end = map(shown_seconds, ends)
         tail = " s"
     else:
         start, end = (label(clip, seconds, unit) for seconds in ends)

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timing import format_time
 
-_SHORT = 0.1  # seconds; the ends of a shorter range could read the same without milliseconds
+_DECIMALS = 3  # of seconds: at 1000 frames a second, two frames read differently
 
 
 class Unit(StrEnum):
@@ -71,19 +71,18 @@ def label(clip: Clip, seconds: float, unit: Unit) -> str:
 
 def shown_time(clip: Clip, seconds: float, unit: Unit) -> str:
     """A time in the chosen unit, such as `2.500 s` or `151`."""
-    return f"{seconds:.3f} s" if unit is Unit.SECONDS else label(clip, seconds, unit)
+    return f"{shown_seconds(seconds)} s" if unit is Unit.SECONDS else label(clip, seconds, unit)
 
 
-def shown_seconds(start: float, end: float) -> tuple[str, str]:
-    """The ends of a range in seconds, with milliseconds if it is short."""
-    digits = 3 if 0.0 < end - start < _SHORT else 2
-    return f"{start:.{digits}f}", f"{end:.{digits}f}"
+def shown_seconds(seconds: float) -> str:
+    """A time in seconds with the same decimals everywhere, such as `2.500`."""
+    return f"{seconds:.{_DECIMALS}f}"
 
 
 def shown_range(clip: Clip, start: float, end: float, unit: Unit) -> str:
-    """A range in the chosen unit, such as `2.50 to 3.00 s` or `frames 151 to 181`."""
+    """A range in the chosen unit, such as `2.500 to 3.000 s` or `frames 151 to 181`."""
     if unit is Unit.SECONDS:
-        return "{} to {} s".format(*shown_seconds(start, end))
+        return f"{shown_seconds(start)} to {shown_seconds(end)} s"
     first, last = (label(clip, seconds, unit) for seconds in (start, end))
     return f"{'frames ' if unit is Unit.FRAMES else ''}{first} to {last}"
 
