@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -40,9 +41,9 @@ class Asked:
 
     def __init__(self, answer: float | None) -> None:
         self.answer = answer
-        self.questions: list[tuple[str, int, float]] = []
+        self.questions: list[tuple[str, float, float]] = []
 
-    def __call__(self, _: QWidget, question: str, frames: int, rate: float) -> float | None:
+    def __call__(self, _: QWidget, question: str, frames: float, rate: float) -> float | None:
         self.questions.append((question, frames, rate))
         return self.answer
 
@@ -125,7 +126,7 @@ def test_another_rate_is_a_step_and_edits_stay_on_their_frames(
     window.timeline.go_to_frame(50)
     asked = answered(30.0)
     trigger(window, "frame_rate")
-    assert asked.questions[0][1:] == (180, 60.0)
+    assert asked.questions[0][1:] == pytest.approx((180, 60.0))
     again = session_of(window)
     assert (again.take.clip.rate, again.take.fps) == (30, 30)
     assert [(edit.start, edit.end) for edit in again.edits] == [(2.0, pytest.approx(2.8))]
@@ -193,13 +194,20 @@ def test_a_rate_whose_take_was_replaced_meanwhile_stays_and_the_window_says_why(
 def test_the_length_at_another_rate_counts_the_gaps_of_the_take(
     bench: Bench, answered: Callable[[float | None], Asked]
 ) -> None:
+    """Its times are also uneven, as a phone writes them: so is what the transport shows."""
     lines = bench.take.read_text().splitlines()
-    bench.take.write_text("\n".join(lines[:60] + lines[90:]) + "\n")
+    late = re.sub(r"\.\d+", ".669", lines[-1], count=1)
+    bench.take.write_text("\n".join([*lines[:60], *lines[90:-1], late]) + "\n")
     window = bench.window(bench.take)
-    asked = answered(None)
+    asked = answered(30.0)
     trigger(window, "frame_rate")
-    assert len(session_of(window).take.clip) == 150
-    assert asked.questions[0][1:] == (180, 60.0)
+    _, frames, rate = asked.questions[0]
+    assert frames == pytest.approx(180.5, abs=0.01)
+    clip = session_of(window).take.clip
+    assert len(clip) == 150
+    assert frames / clip.rate == pytest.approx(clip.duration), "as the dialog said"
+    trigger(window, "undo")
+    assert frames / rate == pytest.approx(session_of(window).take.clip.duration)
 
 
 def test_the_question_says_what_another_rate_changes_and_the_same_rate_changes_nothing(

@@ -122,12 +122,12 @@ def _place(
     falloff: float | None,
 ) -> list[Edit]:
     """A preset's edits, moved to where they are wanted."""
-    length, duration = preset.seconds, float(session.take.clip.times[-1])
+    length, last = preset.seconds, float(session.take.clip.times[-1])
     if selection is None and preset.alone is Alone.TAKE:
-        selection, falloff = (0.0, duration), 0.0
+        selection, falloff = (0.0, last), 0.0
     if selection is None:
         # One that begins at the playhead ends with the take: beyond it, edits would do nothing.
-        start = max(min(playhead, duration - length), 0.0)
+        start = max(min(playhead, last - length), 0.0)
         if preset.alone is Alone.PLAYHEAD:
             start = playhead - 0.5 * length
         return [edit.shifted(start) for edit in preset.edits]

@@ -68,11 +68,11 @@ class Recover(Enum):
     LATER = auto()
 
 
-def ask_rate(parent: QWidget, question: str, frames: int, rate: float) -> float | None:
+def ask_rate(parent: QWidget, question: str, frames: float, rate: float) -> float | None:
     """The frame rate of a take.
 
     Args:
-        frames: how many it has, with those of its gaps.
+        frames: its duration in frames, with those of its gaps.
         rate: what is likely.
     """
     with shown_once(RateDialog(parent, question, frames, rate)) as dialog:

@@ -38,7 +38,7 @@ class FrameRate:
         if session is None or not self._may_read(session):
             return
         clip, name = session.take.clip, session.take.path.name
-        frames = round(clip.duration * clip.rate)  # with those of gaps, which last longer as well
+        frames = clip.duration * clip.rate  # with those of gaps; times that are uneven stay so
         question = f"What is the frame rate of {name}?{_what_changes(session.edits)}"
         rate = dialogs.ask_rate(self._workspace.window, question, frames, clip.rate)
         if rate is None or rate == clip.rate:

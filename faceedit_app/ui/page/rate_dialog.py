@@ -28,11 +28,12 @@ class RateDialog(QDialog):
 
     Args:
         question: why the rate is needed, for the user.
-        frames: number of frames in the take, with those of its gaps.
+        frames: the duration of the take in frames, with those of its gaps; not a whole number if
+            its times are uneven.
         rate: the initial choice.
     """
 
-    def __init__(self, parent: QWidget | None, question: str, frames: int, rate: float) -> None:
+    def __init__(self, parent: QWidget | None, question: str, frames: float, rate: float) -> None:
         super().__init__(parent)
         self.setWindowTitle("Frame rate")
         self._frames = frames
@@ -102,4 +103,4 @@ class RateDialog(QDialog):
         self.group.setExclusive(True)
         length = format_time(self._frames / rate)
         self.length.setText(f"At {format_rate(rate)} the take lasts {length}.")
-        self.length.setToolTip(counted(self._frames, "frame"))
+        self.length.setToolTip(counted(round(self._frames), "frame"))
