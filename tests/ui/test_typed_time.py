@@ -86,6 +86,24 @@ def test_the_label_of_a_frame_can_be_typed(fraction: str) -> None:
         assert typed_frame(take, shown, Unit.TIMECODE, 0) == frame
 
 
+def test_the_clock_shows_whole_timecodes() -> None:
+    """At 25 fps, a timecode that counts 60 frames a second steps by 2.4 of them."""
+    codes = "12:00:00:26.400", "12:00:00:28.800", "12:00:00:31,200"
+    take = replace(TAKE, timecodes=codes + (TAKE.timecodes or ())[3:])
+    shown = [times(take, frame)[0] for frame in range(3)]
+    assert shown == ["12:00:00:26", "12:00:00:28", "12:00:00:31"]
+
+
+def test_where_two_frames_share_a_timecode_enter_alone_goes_nowhere() -> None:
+    """At 60 fps, a timecode that counts 30 frames a second has halves, which are not shown."""
+    codes = tuple(f"12:00:{n // 60:02d}:{n % 60 // 2:02d}.{n % 2 * 5}00" for n in range(COUNT // 2))
+    take = replace(talking_clip(COUNT // 2), timecodes=codes)
+    for frame in (0, 31, 32, 151, COUNT // 2 - 1):
+        shown = times(take, frame)[0]
+        assert typed_frame(take, shown, Unit.TIMECODE, frame) == frame
+        assert times(take, typed_frame(take, shown, Unit.TIMECODE, 0))[0] == shown
+
+
 @pytest.mark.parametrize(
     ("text", "unit", "range_"),
     [

@@ -65,8 +65,13 @@ def label(clip: Clip, seconds: float, unit: Unit) -> str:
     """The ruler's label of a time in frames or timecode."""
     frame = clip.frame_at(seconds)
     if unit is Unit.TIMECODE and clip.timecodes:
-        return clip.timecodes[frame].partition(".")[0]
+        return whole_timecode(clip.timecodes[frame])
     return str(frame + 1)  # people count frames from 1
+
+
+def whole_timecode(text: str) -> str:
+    """A timecode as people know it, `12:00:02:30`, without the thousandths of a frame."""
+    return text.replace(",", ".").partition(".")[0]
 
 
 def shown_time(clip: Clip, seconds: float, unit: Unit) -> str:
@@ -94,7 +99,7 @@ def times(clip: Clip, frame: int, filled: float | None = None) -> tuple[str, str
         filled: seconds of a filled frame after it; it has neither timecode nor number.
     """
     seconds = format_time(float(clip.times[frame]) if filled is None else filled)
-    code = clip.timecodes[frame] if clip.timecodes else seconds
+    code = whole_timecode(clip.timecodes[frame]) if clip.timecodes else seconds
     number = f"{frame + 1}"
     if filled is not None:
         code, number = seconds, "filled"

@@ -8,7 +8,7 @@ from functools import lru_cache
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timecode import derive_base, parse_timecodes, time_of_day
 from faceedit_app.formats.timing import format_time
-from faceedit_app.ui.state.time_display import Unit
+from faceedit_app.ui.state.time_display import Unit, whole_timecode
 
 _DAY = 24 * 3600.0
 _SECONDS = re.compile(r"(?:(?:(\d+):)?(\d+):)?(\d+(?:[.,]\d*)?|[.,]\d+)\s*s?", re.ASCII)
@@ -32,7 +32,7 @@ def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
     if unit is Unit.FRAMES:
         return _by_number(clip, text)
     if unit is Unit.TIMECODE and clip.timecodes:
-        return _by_timecode(clip, clip.timecodes, text, clip.timecodes[now])
+        return _by_timecode(clip, clip.timecodes, text, now)
     return _at(clip, typed_seconds(text), f"The take ends at {format_time(clip.duration)}")
 
 
@@ -86,25 +86,27 @@ def typed_seconds(text: str) -> float:
     return 3600 * hours + 60 * minutes + float(match[3].replace(",", "."))
 
 
-def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: str) -> int:
-    base = _base(timecodes)
-    typed, there = re.split("[:;]", text), re.split("[:;]", now)
-    drop = ";" if ";" in now else ":"
+def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: int) -> int:
+    base, at = _base(timecodes), timecodes[now]
+    typed, there = re.split("[:;]", text), re.split("[:;]", at)
+    drop = ";" if ";" in at else ":"
     # "12:05" is the second and the frame: the rest is as at the playhead.
     whole = there[: max(4 - len(typed), 0)] + typed if 2 <= len(typed) <= 4 else []
     begins = time_of_day(timecodes[0], base)
     meant = time_of_day(":".join(whole[:3]) + drop + whole[3], base) if whole else None
     if meant is None or begins is None:
-        raise ValueError(f"Type a timecode, such as {now.partition('.')[0]}")
+        raise ValueError(f"Type a timecode, such as {whole_timecode(at)}")
     if text in timecodes:
         return timecodes.index(text)
     seconds = meant - begins
     if seconds < -_DAY / 2:  # past midnight
         seconds += _DAY
-    ends = f"{timecodes[0].partition('.')[0]} to {timecodes[-1].partition('.')[0]}"
+    ends = f"{whole_timecode(timecodes[0])} to {whole_timecode(timecodes[-1])}"
     frame = _at(clip, seconds, f"The take has timecodes {ends}")
     # What is shown leaves out thousandths of a frame, which may be almost a whole one.
-    around = range(max(frame - 1, 0), min(frame + 2, len(clip)))
+    # Where several frames share what is shown, as with more of them than the timecode counts, the
+    # one at the playhead stays.
+    around = now, *range(max(frame - 1, 0), min(frame + 2, len(clip)))
     same = _fields(":".join(whole))
     return next((f for f in around if _fields(timecodes[f]) == same), frame)
 
@@ -116,7 +118,7 @@ def _base(timecodes: tuple[str, ...]) -> int:
 
 def _fields(timecode: str) -> list[int]:
     """Hours, minutes, seconds and frame."""
-    return [int(field) for field in re.split("[:;]", re.split("[.,]", timecode)[0])]
+    return [int(field) for field in re.split("[:;]", whole_timecode(timecode))]
 
 
 def _at(clip: Clip, seconds: float, otherwise: str) -> int:
