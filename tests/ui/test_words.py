@@ -24,7 +24,7 @@ from faceedit_app.media import sound
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.edits.slider_dialog import SliderDialog
 from faceedit_app.ui.media.words_dialog import WordsDialog
-from faceedit_app.ui.media.words_strip import WordsStrip
+from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
 from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words import aligning
@@ -92,9 +92,11 @@ def test_the_strip_is_under_the_plots_to_the_pixel(bench: Bench, width: int) -> 
         assert strip.current_scale.x_of(seconds) == pytest.approx(there, abs=0.01)
 
 
-def test_a_double_click_selects_a_word(bench: Bench) -> None:
+def test_a_click_goes_there_and_a_double_click_selects_a_word(bench: Bench) -> None:
     window = with_words(bench)
     strip = strip_of(window)
+    QTest.mouseClick(strip.viewport(), LEFT, pos=at(strip, 2.0, 30))
+    assert window.timeline.time == pytest.approx(2.0, abs=0.02)
     QTest.mouseDClick(strip.viewport(), LEFT, pos=at(strip, 0.9, 10))
     word, selection = WORDS.words[1], window.timeline.selection
     assert selection is not None
@@ -117,11 +119,13 @@ def test_a_right_click_selects_a_word_and_opens_the_menu(
     assert window.actions_["close_on_words"] in menu.actions()
 
 
-def test_a_click_moves_the_playhead(bench: Bench) -> None:
-    window = with_words(bench)
-    strip = strip_of(window)
-    QTest.mouseClick(strip.viewport(), LEFT, pos=at(strip, 2.0, 30))
-    assert window.timeline.time == pytest.approx(2.0, abs=0.02)
+def test_what_shuts_the_lips_is_marked_but_not_like_a_problem(bench: Bench) -> None:
+    strip = strip_of(with_words(bench))
+    picture, sounds = strip.grab().toImage(), WORDS.words[0].phonemes
+    places = [at(strip, (sound.start + sound.end) / 2, HEIGHT - 4) for sound in sounds]
+    b, vowel, _ = (picture.pixelColor(place) for place in places)
+    assert b.lightness() > vowel.lightness() + 60
+    assert b.red() < b.blue(), "orange is for problems"
 
 
 def test_the_search_is_offered_in_a_selection_not_in_the_range_of_an_edit(bench: Bench) -> None:

@@ -27,10 +27,12 @@ _WORDS = 24  # of them, for the words
 _NEAR = 4.0  # pixels from an edge within which it is dragged
 _PADDING = 3.0  # pixels beside a text
 _LEAST = 3.0  # pixels; narrower phonemes are not drawn one by one
-_CLOSING = "#d55e00"  # m, b and p: as the problem's mark
+_WORD, _CLOSING = 38, 78  # opacity behind words, and behind m, b and p; orange is for problems
+_LIPS = 2.0  # pixels of the line under m, b and p, as of shut lips
 _TIP = (
     "What is said. Drag an edge to move it in time; with Shift, ten times finer.\n"
     "Double-click a word to select its time; Ctrl+L repeats it.\n"
+    "m, b and p are underlined: there the lips should meet. If they do not, that is a problem.\n"
     "To bring the face to a word, choose Retime (W) and drag a curve sideways."
 )
 
@@ -237,7 +239,7 @@ class _Marks(pg.GraphicsObject):
             if right < 0 or left > scale.width:
                 continue
             box = QRectF(left, 2, max(right - left, 1.0), _WORDS - 3)
-            painter.fillRect(box, style.color(style.EDITED, 38))
+            painter.fillRect(box, style.color(style.EDITED, _WORD))
             self._write(painter, box, word.text, 0, style.TEXT)
             self._draw_edges(painter, (left, right), 2, HEIGHT - 2)
             self._paint_phonemes(painter, word, scale)
@@ -252,7 +254,9 @@ class _Marks(pg.GraphicsObject):
                 continue
             box = QRectF(left, top, max(right - left, 1.0), height)
             if closes:
-                painter.fillRect(box, style.color(_CLOSING, 90))
+                painter.fillRect(box, style.color(style.EDITED, _CLOSING))
+                lips = QRectF(left, top + height - _LIPS, box.width(), _LIPS)
+                painter.fillRect(lips, style.color(style.EDITED))
             ink = style.TEXT if closes else style.MUTED
             self._write(painter, box, spelled(phoneme.symbol), 1, ink)
             self._draw_edges(painter, (right,), top, top + height)
