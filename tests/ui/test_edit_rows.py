@@ -75,6 +75,22 @@ def test_the_name_of_an_edit_is_more_than_its_first_letters(window: MainWindow) 
         assert panel.list.fontMetrics().horizontalAdvance("Exaggerate") < room.width(), width
 
 
+def test_a_long_name_takes_what_its_curve_leaves(window: MainWindow) -> None:
+    """As beside the curves of a window 1440 pixels wide."""
+    row, metrics = QRectF(0, 0, 584, 25), panel_of(window).list.fontMetrics()
+    texts = "1.000 – 2.000 s", "Mouth opening", "100 %"
+    for name, is_moved in (("Smile", False), ("Wider for the vowel of the word", True)):
+        (_, room), *others = cells(row, name, *texts, metrics=metrics)
+        assert metrics.horizontalAdvance(name) < room.width(), name
+        for text, place in others:
+            assert metrics.horizontalAdvance(text) < place.width(), text
+        usual = cells(row, name, *texts)
+        assert (usual[-1][1] != others[-1][1]) is is_moved, "columns are in line otherwise"
+    (_, room), *others = cells(row, "Longer than there is room for" * 3, *texts, metrics=metrics)
+    assert room.right() < others[-1][1].left()
+    assert metrics.horizontalAdvance(texts[1]) < others[-1][1].width()
+
+
 def test_a_row_between_two_pixels_leaves_no_line_behind(window: MainWindow) -> None:
     """At 150 % every other row begins in the middle of a pixel."""
     panel = panel_of(window)

@@ -135,12 +135,13 @@ class EditsDelegate(NumberDelegate):
             name = f"{name}  ({group[0]})"
         columns = index.data(COLUMNS)
         ranged = range_width(rect, option.fontMetrics, columns[0])
-        (text, room), *others = cells(rect, name, *columns, ranged=ranged)
+        indent = _ARROW if group is not None else 0.0
+        (text, room), *others = cells(
+            rect, name, *columns, ranged=ranged, indent=indent, metrics=option.fontMetrics
+        )
         painter.setPen(QColor(TEXT if edit.enabled else off))
-        if group is not None:
-            room.setLeft(room.left() + _ARROW)
-            if group[0]:
-                self._paint_arrow(painter, arrow_rect(rect), group[1])
+        if group is not None and group[0]:
+            self._paint_arrow(painter, arrow_rect(rect), group[1])
         self._write(painter, room, text, Qt.AlignmentFlag.AlignLeft)
         painter.setPen(quiet)
         for text, room in others:
@@ -298,25 +299,38 @@ def range_width(row: QRectF, metrics: QFontMetrics, when: str) -> float:
 
 
 def cells(
-    row: QRectF, name: str, when: str, what: str, strength: str, *, ranged: float = _RANGE
+    row: QRectF,
+    name: str,
+    when: str,
+    what: str,
+    strength: str,
+    *,
+    ranged: float = _RANGE,
+    indent: float = 0.0,
+    metrics: QFontMetrics | None = None,
 ) -> list[tuple[str, QRectF]]:
     """The texts of a row and their places, the name first.
 
-    A name that contains its curve also takes the column of the curve.
+    A name that contains its curve also takes the column of the curve. A long one takes what the
+    name of the curve leaves of it.
 
     Args:
         ranged: pixels of the column of the range.
+        indent: pixels left of the name, in a group.
+        metrics: of the texts; without, all columns are as wide as in other rows.
     """
-    right = row.right() - _RIGHT
+    left, right = row.x() + _LEFT + indent, row.right() - _RIGHT
     out = []
     for text, width in ((strength, _STRENGTH), (when, ranged)):
         out.append((text, QRectF(right - width, row.y(), width, row.height())))
         right -= width + 8
     if row.width() >= _NARROW and what.lower() not in name.lower():
         width = max(0.26 * row.width(), 96.0)
+        if metrics is not None:
+            spare = right - left - 8 - metrics.horizontalAdvance(name) - 1.0
+            width = min(width, max(spare, metrics.horizontalAdvance(what) + 1.0))
         out.append((what, QRectF(right - width, row.y(), width, row.height())))
         right -= width + 8
-    left = row.x() + _LEFT
     return [(name, QRectF(left, row.y(), right - left, row.height())), *out]
 
 
