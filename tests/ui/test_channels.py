@@ -11,6 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QListWidget
 from support.sessions import switch
+from support.speech import said
 from support.takes import livelink_names, make_livelink_csv, speech_like
 from support.windows import Bench, bench, drag, editor_of, session_of, trigger
 
@@ -62,6 +63,23 @@ def test_in_a_low_window_the_lists_leave_their_height_to_the_face(bench: Bench) 
     trigger(window, "list_problems")
     assert not side.is_folded
     assert side.sizes()[1] > 120
+
+
+def test_at_first_they_leave_room_for_all_curves_above_if_the_window_is_high_enough(
+    bench: Bench,
+) -> None:
+    window = bench.editing()
+    session_of(window).say(said(("map", "M AE P"), start=1.0))
+    window.resize(1440, 840)
+    shown = editor_of(window).curves.shown
+    bench.qtbot.waitUntil(lambda: shown.spare_height > 0)
+    assert shown.spare_height < 300, "they would hide curves"
+    trigger(window, "all_channels")
+    panel = editor_of(window).channels
+    assert panel is not None
+    bench.qtbot.waitUntil(lambda: panel.isVisible() and editor_of(window).side.is_folded)
+    bench.qtbot.waitUntil(lambda: 0 <= shown.spare_height < 60)
+    assert panel.height() > 150
 
 
 def squinting(folder: Path) -> Path:

@@ -134,6 +134,11 @@ class CurveRows(QScrollArea):
             header.setVisible(is_shown)
             plot.setVisible(is_shown)
 
+    @property
+    def spare_height(self) -> int:
+        """Pixels that the rows could do without and still all be seen; below 0: they scroll."""
+        return self.viewport().height() - self._grid.totalMinimumSize().height()
+
     def scroll_to(self, controls: Collection[str]) -> None:
         """Scroll the rows of these controls into view, the first of them at least."""
         if not self.isVisible():  # a window that opens shows its first rows

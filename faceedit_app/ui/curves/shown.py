@@ -93,6 +93,11 @@ class ShownCurves(QObject):
             self._show(self._chosen | {control})
         self._rows.scroll_to({control})
 
+    @property
+    def spare_height(self) -> int:
+        """Pixels that the panel could do without and still show all of these curves."""
+        return self._rows.spare_height
+
     def unfold(self, wanted: bool) -> None:
         """Show the optional curves, or fold them away; the user wants it so from now on."""
         if self._head.isEnabled():

@@ -10,6 +10,8 @@ from faceedit_app.ui.page.editor import Editor
 
 _MOST = 0.36  # of the window's height, at first
 _HEIGHT = 300  # pixels
+_LEAST = 200  # pixels, at first, to let all curves above be seen
+_EDGE = 6  # pixels, at most, between the page and the channels
 
 
 class ChannelsDock(QDockWidget):
@@ -31,6 +33,8 @@ class ChannelsDock(QDockWidget):
         self.topLevelChanged.connect(self._share)
         window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, self)
         height = min(_HEIGHT, round(_MOST * window.height()))
+        spare = page.curves.shown.spare_height - _EDGE
+        height = min(height, spare) if spare >= _LEAST else height
         window.resizeDocks([self], [height], Qt.Orientation.Vertical)
         self.show()  # at once: what is not visible cannot have the focus
 
