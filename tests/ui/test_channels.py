@@ -103,6 +103,13 @@ def test_panel_lists_the_channels_of_the_take_and_its_rotations(bench: Bench) ->
         panel.list.item(row).text() for row in range(61) if not panel.list.item(row).isHidden()
     ]
     assert shown == ["jawForward", "jawLeft", "jawRight", "jawOpen"]
+    assert not panel.none.isVisible()
+    for text, says in ((" <b> ", "No channel is called “<b>”"), ("x" * 90, panel.none.short)):
+        panel.search.setText(text)
+        assert panel.none.isVisible()
+        assert panel.none.shown == says, "none is found, and the panel is no wider"
+    panel.search.clear()
+    assert not panel.none.isVisible()
 
 
 def test_buttons_edit_the_selected_channels_in_the_selected_range(bench: Bench) -> None:

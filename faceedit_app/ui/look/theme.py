@@ -93,6 +93,8 @@ QPushButton#secondary {{ padding: 8px 18px; }}
 QPushButton#link {{
     background: transparent; color: {ACCENT}; padding: 3px 0; text-align: left;
 }}
+QPushButton#count {{ background: transparent; padding: 2px 0 2px 10px; text-align: left; }}
+QPushButton#count:hover {{ background: {HOVER}; }}
 QPushButton#link:hover {{ background: {PANEL}; }}
 QPushButton#primary:focus, QPushButton#secondary:focus, QPushButton#link:focus {{
     border-color: {ACCENT};

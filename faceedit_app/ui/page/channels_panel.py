@@ -32,8 +32,9 @@ from faceedit_app.ui.curves.gestures import Span
 from faceedit_app.ui.curves.plot import Marks
 from faceedit_app.ui.curves.ruler import Ruler
 from faceedit_app.ui.look.number import NumberBox
+from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
-from faceedit_app.ui.look.widgets import OnePush
+from faceedit_app.ui.look.widgets import Elided, OnePush
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
@@ -61,6 +62,9 @@ class ChannelsPanel(QWidget):
         self.search.setAccessibleName("Search channels")
         self.search.setClearButtonEnabled(True)
         self.search.textChanged.connect(self._filter)
+        self.none = Elided()  # why the list is empty
+        self.none.setObjectName("caption")
+        self.none.short = "No such channel"
         self.list = QListWidget()
         self.list.setAccessibleName("Channels")
         self.list.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
@@ -121,7 +125,7 @@ class ChannelsPanel(QWidget):
         times = QHBoxLayout()
         times.addSpacing(style.AXIS_WIDTH)
         times.addWidget(self.ruler)
-        for box, parts in ((left, (self.search, self.list)), (right, (self.area,))):
+        for box, parts in ((left, (self.search, self.none, self.list)), (right, (self.area,))):
             column = QVBoxLayout(box)
             column.setContentsMargins(0, 0, 0, 0)
             column.setSpacing(GAP // 2)
@@ -194,8 +198,13 @@ class ChannelsPanel(QWidget):
             self.list.scrollToItem(item, QAbstractItemView.ScrollHint.PositionAtCenter)
 
     def _filter(self, text: str) -> None:
+        wanted = text.strip()
         for name, item in self._items.items():
-            item.setHidden(text.strip().lower() not in name.lower())
+            item.setHidden(wanted.lower() not in name.lower())
+        found = any(not item.isHidden() for item in self._items.values())
+        self.none.setVisible(not found and bool(self._items))
+        self.none.setText(f"No channel is called “{wanted}”")
+        self.none.setToolTip(plain_tip(self.none.text()))
 
     def _choose(self) -> None:
         """Plot the first of the selected channels."""

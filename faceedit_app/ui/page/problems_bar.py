@@ -15,7 +15,7 @@ from PySide6.QtGui import (
     QPolygonF,
     QShowEvent,
 )
-from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QToolTip, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolTip, QWidget
 
 from faceedit_app.editing.help.problems import Problem, find_problems, search_of
 from faceedit_app.editing.session import EditSession
@@ -23,7 +23,7 @@ from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Scale
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.look.texts import plain_tip
-from faceedit_app.ui.look.widgets import icon_button
+from faceedit_app.ui.look.widgets import OnePush, icon_button
 from faceedit_app.ui.state.actions import Actions, tip_of
 from faceedit_app.ui.state.background import Background
 from faceedit_app.ui.state.document import Document
@@ -330,8 +330,8 @@ class ProblemsHead(QWidget):
     def __init__(self, actions: Actions, bar: ProblemsBar) -> None:
         super().__init__()
         self._bar, self._tip = bar, tip_of(actions["list_problems"])
-        self.count = QToolButton()
-        self.count.setObjectName("small")
+        self.count = OnePush()
+        self.count.setObjectName("count")
         self.count.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.count.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.count.clicked.connect(actions["list_problems"].trigger)
