@@ -102,7 +102,7 @@ class Expressions(QScrollArea):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         page = QWidget()
         self._grid = QGridLayout(page)
-        self._grid.setContentsMargins(GAP, GAP // 2, GAP, GAP // 2)
+        self._grid.setContentsMargins(GAP, 0, GAP, 0)  # two rows just fit
         self._grid.setSpacing(GAP // 2)
         self._grid.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
         self.setWidget(page)
