@@ -36,10 +36,7 @@ def test_the_selection_is_cut_out_into_a_new_take(bench: Bench, qtbot: QtBot) ->
     session = session_of(window)
     session.say(said(("map", "M AE P"), ("fish", "F IH SH"), start=2.0))
     frames = len(session.take.clip)
-    said_: list[str] = []
-    window.workspace.message.connect(said_.append)
-    trigger(window, "cut_shorter")
-    assert "Select" in said_[-1]
+    assert not window.actions_["cut_shorter"].isEnabled()
     window.timeline.select((0.5, 1.5))
     path = bench.answers["export"] = bench.folder / "short.csv"
     trigger(window, "cut_shorter")

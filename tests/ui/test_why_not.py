@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 from support.character_files import write_glb
 from support.films import make_film
@@ -17,6 +19,7 @@ from faceedit_app.characters.registry import read_character
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.actions import NO_TAKE
 
+ON_A_RANGE = {"copy", "copy_changes", "mirror", "stretch_time", "move_time", "cut_time"}
 TWO_LINES = {"preserve", "resynthesize"}  # their buttons explain them
 
 
@@ -52,8 +55,11 @@ def test_each_command_says_why_it_is_not_possible(
     for widget in window.findChildren(QWidget):
         assert NO_TAKE not in widget.toolTip(), widget
     states: list[tuple[Callable[[], object], set[str]]] = [
-        (lambda: None, {"undo", "redo", "delete_edit", "edit_up", "remove_film", "remove_sound"}),
-        (lambda: window.timeline.select((1.0, 2.0)), {"undo", "delete_edit"}),
+        (
+            lambda: None,
+            {"undo", "redo", "delete_edit", "edit_up", "remove_film", "remove_sound", *ON_A_RANGE},
+        ),
+        (lambda: window.timeline.select((1.0, 2.0)), {"undo", "delete_edit", "paste"}),
         (lambda: (add_edit(window), editor.edits.select(0)), {"redo", "edit_up", "edit_down"}),
         (lambda: add_edit(window, 3.0), {"edit_up"}),
         (lambda: editor.edits.select(1), {"edit_down"}),
@@ -62,6 +68,7 @@ def test_each_command_says_why_it_is_not_possible(
         (lambda: add_film(bench, window), {"film_landmarks"}),
     ]
     possible = {
+        1: ON_A_RANGE,
         2: {"undo", "delete_edit", "reset_range"},
         3: {"edit_down"},
         4: {"edit_up"},
@@ -87,6 +94,28 @@ def use_character(window: MainWindow, folder: Path) -> None:
 def add_film(bench: Bench, window: MainWindow) -> None:
     window.media.add(make_film(bench.folder / "a.mp4", sound=1.0))
     settle(bench, window)
+
+
+def test_a_key_whose_command_is_not_possible_says_why(bench: Bench) -> None:
+    window = bench.editing()
+    keys, modifier = Qt.Key, Qt.KeyboardModifier
+    window.setFocus()
+    for key, held, command in (
+        (keys.Key_V, modifier.ControlModifier, "paste"),
+        (keys.Key_W, modifier.ShiftModifier, "stretch_time"),
+        (keys.Key_Z, modifier.ControlModifier, "undo"),
+    ):
+        reason = window.actions_[command].data()
+        assert reason
+        QTest.keyClick(editor_of(window).curves.plots[0], key, held)
+        assert window.status.currentMessage() == reason, command
+    window.timeline.select((1.0, 2.0))
+    QTest.keyClick(window, keys.Key_C, modifier.ControlModifier)
+    assert window.status.currentMessage().startswith("Copied 1.00 s")
+    QTest.keyClick(window, keys.Key_V, modifier.ControlModifier)
+    assert session_of(window).edits, "as soon as there is something to paste"
+    QTest.keyClick(window, keys.Key_Return)
+    assert "proposal" not in window.status.currentMessage(), "Enter only ends what is typed"
 
 
 @pytest.mark.parametrize("command", ["reset_curve"])

@@ -9,6 +9,12 @@ from faceedit_app.ui.state.actions import When
 # What carries out a command has the property that is asked for; see the table that uses it.
 CAN_UNDO = When[Any](lambda do: do.can_undo, "There is nothing to undo")
 CAN_REDO = When[Any](lambda do: do.can_redo, "Nothing was undone")
+HAS_RANGE = When[Any](
+    lambda do: do.has_range, "No time range is selected: drag in the bar under the ruler"
+)
+HAS_COPIED = When[Any](
+    lambda do: do.has_copied, "Nothing has been copied yet: select a range and choose Copy range"
+)
 HAS_EDITS = When[Any](lambda do: do.has_edits, "There are no edits yet")
 HAS_SELECTED_EDIT = When[Any](
     lambda do: do.has_selected_edit, "No edit is chosen: click one in the list of edits"

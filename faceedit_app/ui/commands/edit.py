@@ -192,14 +192,24 @@ class EditCommands:
         seconds, count = copied.seconds, len(copied.curves)
         self._workspace.message.emit(f"Copied {seconds:.2f} s of {counted(count, 'curve')}")
 
+    @property
+    def has_range(self) -> bool:
+        """Whether a time range is selected, to be copied or retimed."""
+        return self._timeline.has_range
+
+    @property
+    def has_copied(self) -> bool:
+        """Whether there is anything to paste."""
+        return self._clipboard is not None
+
     def paste(self) -> None:
         """Paste what was copied at the playhead."""
-        if (copied := self._copied()) is not None:
+        if (copied := self._clipboard) is not None:
             self._put(copied, self._timeline.time, "Pasted", "Paste")
 
     def paste_mirrored(self) -> None:
         """Paste what was copied at the playhead, with left and right swapped."""
-        if (copied := self._copied()) is not None:
+        if (copied := self._clipboard) is not None:
             self._put(copied.mirrored(), self._timeline.time, "Pasted mirrored", "Paste m&irrored")
 
     def mirror(self) -> None:
@@ -232,11 +242,6 @@ class EditCommands:
         """The chosen curves, if any."""
         page = self._workspace.page
         return page.curves.chosen_controls if page is not None else ()
-
-    def _copied(self) -> Clipboard | None:
-        if self._clipboard is None:
-            self._workspace.message.emit("Nothing has been copied yet")
-        return self._clipboard
 
     def _put(self, source: Clipboard, at: float, name: str, step: str) -> None:
         self._workspace.end_gestures()
@@ -329,31 +334,33 @@ MENU: Menu[EditCommands] = Menu("&Edit", (
             "Go back to the take as tracked for the focused curve only",
             enabled=c.HAS_EDITS),
     Command("copy", "&Copy range", EditCommands.copy, ("Ctrl+C",),
-            "Copy what the face does in the selection", starts_group=True),
+            "Copy what the face does in the selection", enabled=c.HAS_RANGE, starts_group=True),
     Command("copy_changes", "Copy changes on&ly", EditCommands.copy_changes,
             ("Ctrl+Shift+C",),
-            "Copy only what your edits changed in the selection, to add it elsewhere"),
+            "Copy only what your edits changed in the selection, to add it elsewhere",
+            enabled=c.HAS_RANGE),
     Command("paste", "&Paste at playhead", EditCommands.paste, ("Ctrl+V",),
-            "Paste what was copied at the playhead"),
+            "Paste what was copied at the playhead", enabled=c.HAS_COPIED),
     Command("paste_mirrored", "Paste m&irrored", EditCommands.paste_mirrored, ("Ctrl+Shift+V",),
-            "Paste what was copied at the playhead, with left and right swapped"),
+            "Paste what was copied at the playhead, with left and right swapped",
+            enabled=c.HAS_COPIED),
     Command("mirror", "&Mirror range", EditCommands.mirror, ("Ctrl+Shift+M",),
-            "Swap left and right in the selection"),
+            "Swap left and right in the selection", enabled=c.HAS_RANGE),
     Command("stretch_time", "&Stretch…", lambda do: do.retime.stretch(), ("Shift+W",),
             "Make the selection longer or shorter; what follows makes up for it and keeps its time",
-            starts_group=True, submenu=TIMING),
+            enabled=c.HAS_RANGE, starts_group=True, submenu=TIMING),
     Command("move_time", "Mo&ve in time…", lambda do: do.retime.move(),
             tip="Show the selection earlier or later; what is beside it makes up for it",
-            submenu=TIMING),
+            enabled=c.HAS_RANGE, submenu=TIMING),
     Command("cut_time", "Cut out of ti&me", lambda do: do.retime.cut(),
             tip="Leave out the selection; what follows plays slower until it has caught up",
-            submenu=TIMING),
+            enabled=c.HAS_RANGE, submenu=TIMING),
     Command("insert_pause", "Insert a pa&use…", lambda do: do.retime.pause(),
             tip="Hold the face at the playhead; what follows plays faster until it has caught up",
             submenu=TIMING),
     Command("cut_shorter", "Cut out and s&horten…", lambda do: do.splices.shorten(),
             tip="Write a new take without the selection, with its sound and film",
-            starts_group=True, submenu=TIMING),
+            enabled=c.HAS_RANGE, starts_group=True, submenu=TIMING),
     Command("insert_longer", "Insert time and &lengthen…", lambda do: do.splices.lengthen(),
             tip="Write a new take with more time at the playhead, with its sound and film",
             submenu=TIMING),

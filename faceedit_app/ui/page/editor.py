@@ -163,6 +163,7 @@ class Editor(QWidget):
         self.gap_frames.changed.connect(self.settings_bar.sync)
         self.solving.finished.connect(self._solved)
         self.edits.selected.connect(actions.refresh)
+        self._timeline.range_toggled.connect(actions.refresh)
         self.problems.found.connect(actions.refresh)
         self.proposal.toggled.connect(actions.refresh)
         self.problem_list.ticked.connect(actions.refresh)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
@@ -18,6 +20,7 @@ from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.widgets import ENTER
 from faceedit_app.ui.page.keys_back import KeysBack, in_list
 from faceedit_app.ui.page.time_entry import TimeEntry
+from faceedit_app.ui.state.actions import Actions
 
 GLANCE = Qt.Key.Key_B
 _ADJUSTING = {
@@ -37,7 +40,12 @@ class KeyArbiter(QObject):
 
     Space plays, even from a number field in which nothing is typed yet; the arrows move a focused
     slider, choice or list, and the playhead otherwise; holding B shows the tracked face. What is
-    typed into a field belongs to it.
+    typed into a field belongs to it. A key whose command is not possible says why.
+
+    Args:
+        window: whose keys they are.
+        actions: the commands.
+        say: shows a line to the user.
 
     Attributes:
         back: gives the keys back to the curves.
@@ -48,9 +56,9 @@ class KeyArbiter(QObject):
 
     glancing = Signal(bool)
 
-    def __init__(self, window: QWidget) -> None:
+    def __init__(self, window: QWidget, actions: Actions, say: Callable[[str], None]) -> None:
         super().__init__(window)
-        self._window = window
+        self._window, self._actions, self._say = window, actions, say
         self._held = False
         self.back = KeysBack(window)
         window.installEventFilter(self)
@@ -69,7 +77,10 @@ class KeyArbiter(QObject):
         if kind == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             return self._override(event)
         if kind in (QEvent.Type.KeyPress, QEvent.Type.KeyRelease) and isinstance(event, QKeyEvent):
-            return self._glance(event, kind == QEvent.Type.KeyPress)
+            is_down = kind == QEvent.Type.KeyPress
+            if is_down and watched is self._window:  # no widget wanted it
+                self._explain(event)
+            return self._glance(event, is_down)
         if kind == QEvent.Type.WindowDeactivate and watched is self._window:
             self._hold(False)
         return False
@@ -88,6 +99,12 @@ class KeyArbiter(QObject):
             event.accept()  # for the widget, not a shortcut
             return True
         return False
+
+    def _explain(self, event: QKeyEvent) -> None:
+        """Say why the command of a key is not possible; Enter also ends what is typed."""
+        why_not = "" if event.key() in ENTER else self._actions.why_not(event)
+        if why_not:
+            self._say(why_not)
 
     def _glance(self, event: QKeyEvent, down: bool) -> bool:
         if event.key() != GLANCE or event.isAutoRepeat():

@@ -67,7 +67,7 @@ class MainWindow(WindowBase):
         self.start_page = StartPage(self.actions_)
         self.banner = Banner()
         self.status = StatusBar()
-        self.keys = KeyArbiter(self)
+        self.keys = KeyArbiter(self, self.actions_, self.workspace.message.emit)
         self._lay_out()
         self._connect()
         self._refresh_actions()

@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, Generic, TypeVar
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtGui import QAction, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu
 
 from faceedit_app.ui.look.icons import icon
@@ -161,6 +161,12 @@ class Actions:
         finally:
             self._running -= 1
             self.refresh()
+
+    def why_not(self, event: QKeyEvent) -> str:
+        """Why the command of a key is not possible now; "" if it is, or if the key has none."""
+        keys = QKeySequence(event.keyCombination())
+        theirs = (action for action in self._actions.values() if keys in action.shortcuts())
+        return next((action.data() or "" for action in theirs if not action.isEnabled()), "")
 
     def _fill(self, menu: Menu[Any], doer: Any) -> None:
         outer = self._window.menuBar().addMenu(menu.title)

@@ -32,6 +32,7 @@ class Timeline(QObject):
         playhead_moved(int): another frame is on screen.
         view_changed(): the visible range `view`.
         selection_changed(): the time selection `selection`, or None.
+        range_toggled(): more than a moment is selected now, or no longer; see `has_range`.
         falloff_changed(float): seconds over which an edit fades in (`falloff`) or out
             (`falloff_out`).
     """
@@ -39,6 +40,7 @@ class Timeline(QObject):
     playhead_moved = Signal(int)
     view_changed = Signal()
     selection_changed = Signal()
+    range_toggled = Signal()
     falloff_changed = Signal(float)
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -195,8 +197,15 @@ class Timeline(QObject):
         if selection is not None:
             selection = (min(selection), max(selection))
         if selection != self.selection:
-            self.selection = selection
+            had_range, self.selection = self.has_range, selection
             self.selection_changed.emit()
+            if self.has_range is not had_range:
+                self.range_toggled.emit()
+
+    @property
+    def has_range(self) -> bool:
+        """Whether more than a moment is selected."""
+        return self.selection is not None and self.selection[0] < self.selection[1]
 
     # --- the chosen edit ---------------------------------------------------------------------
 
