@@ -7,13 +7,14 @@ import os
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import cast
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QPushButton, QWidget
 from pytestqt.qtbot import QtBot
 from support.faces import random_engine, random_rig, shipped_rig
@@ -25,8 +26,12 @@ from faceedit_app import render
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.resources import shipped
+from faceedit_app.core.rig import Rig
 from faceedit_app.ui.start.application import Collector, collect_nothing, collecting
 from faceedit_app.ui.state import loading
+from faceedit_app.ui.state.background import Background
+from faceedit_app.ui.state.document import Document
+from faceedit_app.ui.state.take_opener import TakeOpener
 
 OPENING = CONTROL_INDEX["mouth_opening"]
 
@@ -120,22 +125,37 @@ def test_missing_networks_are_reported_without_being_in_the_way(bench: Bench) ->
     assert len(window.document.session.edits) == 1
 
 
-def test_a_missing_character_is_reported_once(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_a_missing_character_is_reported_once_whichever_ends_first(
+    order: tuple[int, int], qtbot: QtBot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Both its own loading and that of the take end in it."""
+    """Both its own loading and that of the take end in it; another take is reported again."""
+    jobs: list[Callable[[], None]] = []
+
+    class InTurn:
+        def run(self, work: Callable[[], Rig], _done: object, failed: Callable[..., None]) -> None:
+            def end() -> None:
+                with pytest.raises(FileError) as raised:
+                    work()
+                failed(raised.value)
+
+            jobs.append(end)
 
     def missing() -> None:
         raise FileError("character.glb", "is missing", "install FaceEdit again")
 
     monkeypatch.setattr(loading, "load_character", missing)
-    window = bench.window(start=False)
-    window.start(bench.take)
-    bench.qtbot.waitUntil(lambda: not window.workspace.opener.is_reading)
-    bench.qtbot.waitUntil(lambda: bool(bench.errors))
-    wait_for_background(window.workspace.background)
-    assert len(bench.errors) == 1
-    assert bench.errors[0].startswith("character.glb")
+    owner, errors = QObject(), list[Exception]()
+    opener = TakeOpener(Document(owner), cast(Background, InTurn()), owner)
+    opener.failed.connect(errors.append)
+    opener.load_character()
+    opener.open(Path("take.csv"))
+    for job in order:
+        jobs[job]()
+    assert [str(error) for error in errors] == ["character.glb: is missing; install FaceEdit again"]
+    opener.open(Path("take.csv"))
+    jobs[2]()
+    assert len(errors) == 2
 
 
 def test_networks_answer_once_they_are_loaded(

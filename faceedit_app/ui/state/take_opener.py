@@ -47,7 +47,8 @@ class TakeOpener(QObject):
         self._document, self._background = document, background
         self.rig: Rig | None = None
         self._wanted: Path | None = None
-        self._shown = ""  # an error that the take being read will end in as well
+        self._shown = ""  # an error in which what is still being read will end as well
+        self._loads_character = False
 
     @property
     def is_reading(self) -> bool:
@@ -104,18 +105,33 @@ class TakeOpener(QObject):
     def _failed(self, error: Exception) -> None:
         if not isinstance(error, FaceEditError):
             raise error
-        if str(error) != self._shown:  # that of the character was shown as it was loaded
-            self.failed.emit(error)
-        self._shown = ""
+        self._show_once(error, self._loads_character)
 
     def load_character(self) -> None:
         """Load the character, whether or not a take is opened."""
 
-        def failed(error: Exception) -> None:
-            self._shown = str(error) if self.is_reading else ""
-            self.failed.emit(error)
+        def done(rig: Rig) -> None:
+            self._loads_character, self._shown = False, ""
+            self.use_character(rig)
 
-        self._background.run(loading.load_character, self.use_character, failed)
+        def failed(error: Exception) -> None:
+            self._loads_character = False
+            self._show_once(error, self.is_reading)
+
+        self._loads_character = True
+        self._background.run(loading.load_character, done, failed)
+
+    def _show_once(self, error: Exception, other_follows: bool) -> None:
+        """Report an error, unless it was: a character that is missing ends its own loading and a
+        take's, in either order.
+
+        Args:
+            other_follows: the other one is still being read.
+        """
+        known, self._shown = self._shown, ""
+        if str(error) != known:
+            self._shown = str(error) if other_follows else ""
+            self.failed.emit(error)
 
     def use_character(self, rig: Rig) -> None:
         """Use a character for all takes of this window."""
