@@ -56,12 +56,6 @@ def test_variations_go_round_in_both_directions(window: MainWindow) -> None:
     assert session.changed_frames() == 0
 
 
-def test_without_a_selection_fill_says_what_to_do(window: MainWindow) -> None:
-    trigger(window, "fill")
-    assert not editor_of(window).proposal.is_open
-    assert session_of(window).edits == ()
-
-
 def test_other_proposals_have_no_variations(window: MainWindow) -> None:
     editor_of(window).problems.search()
     trigger(window, "next_problem")

@@ -19,7 +19,7 @@ from faceedit_app.characters.registry import read_character
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.actions import NO_TAKE
 
-ON_A_RANGE = {"copy", "copy_changes", "mirror", "stretch_time", "move_time", "cut_time"}
+ON_A_RANGE = {"copy", "copy_changes", "mirror", "stretch_time", "move_time", "cut_time", "fill"}
 TWO_LINES = {"preserve", "resynthesize"}  # their buttons explain them
 
 

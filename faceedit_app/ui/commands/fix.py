@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from faceedit_app.core.errors import FaceEditError
-from faceedit_app.editing.edits.edit import LONGEST_FILL, Edit
+from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.help.presets import (
     Preset,
     delete_preset,
@@ -78,19 +78,18 @@ class FixCommands:
             lambda edits: self._workspace.add_edits(edits, edits[0].name),
         ).show()
 
+    @property
+    def has_range(self) -> bool:
+        """Whether a time range is selected, to be filled."""
+        return self._timeline.has_range
+
     def fill(self) -> None:
         """Preview other motion of the take in place of the selection, in four variations."""
         from faceedit_app.editing.help import fill
 
         session, page = self._document.session, self._workspace.page
-        if session is None or page is None:
-            return
         self._workspace.end_gestures()
-        selection = self._timeline.selection
-        if selection is None:
-            self._workspace.message.emit(
-                f"Select the range to fill first, up to {LONGEST_FILL:.0f} s"
-            )
+        if session is None or page is None or (selection := self._timeline.selection) is None:
             return
         if why := fill.cannot_fill(session.take, *selection):
             self._workspace.message.emit(why)
@@ -343,7 +342,8 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
             "Set how happy the mouth looks, in the selection or the whole take",
             starts_group=True),
     Command("fill", "&Fill", FixCommands.fill, ("Ctrl+I",),
-            "Replace the selection, up to 4 s, with other motion of the take that fits both sides"),
+            "Replace the selection, up to 4 s, with other motion of the take that fits both sides",
+            enabled=c.HAS_RANGE),
     Command("presets", "My p&resets", fills=FixCommands.fill_presets),
     Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
             tip="Save the edits in the selection under a name, to use them elsewhere"),
