@@ -180,9 +180,10 @@ def test_a_word_is_searched_again_and_again(bench: Bench) -> None:
     assert starts == pytest.approx([0.4, 1.12, 0.4], abs=0.01)
     search.setText("zebra")
     QTest.keyClick(search, Qt.Key.Key_Return)
-    assert search.property("refused")
+    assert search.accessibleDescription() == "No word begins with “zebra”"
     QTest.keyClick(search, Qt.Key.Key_Escape)
     assert not search.hasFocus()
+    assert not search.accessibleDescription(), "and what was shown is gone"
 
 
 @needs_espeak

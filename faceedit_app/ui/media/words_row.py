@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPoint, Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtCore import QEvent, QPoint, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit
 
+from faceedit_app.ui.look.refused import show_refused
 from faceedit_app.ui.look.widgets import context_menu, icon_button
 from faceedit_app.ui.media.strip_row import StripRow
 from faceedit_app.ui.media.words_strip import HEIGHT, WordsStrip
@@ -14,6 +15,7 @@ from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.words.transcript import Transcript
 
+_LONGEST = 30  # letters of what was searched, in the message that it was not found
 _MENU = (
     ("play_around", "loop"),
     ("close_on_words", "shape_on_words", "say_clearly"),
@@ -24,7 +26,18 @@ _MENU = (
 
 
 class _Search(QLineEdit):
-    """A field whose Esc gives the keys back to the curves."""
+    """A field whose Esc gives the keys back to the curves.
+
+    Signals:
+        left(): it has lost the focus.
+    """
+
+    left = Signal()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Say that it was left."""
+        super().focusOutEvent(event)
+        self.left.emit()
 
     def event(self, event: QEvent) -> bool:
         """While typing, Esc is not a shortcut."""
@@ -65,7 +78,8 @@ class WordsRow(StripRow):
         self.search.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # the keys belong to the curves
         self.search.setAcceptDrops(False)  # dropped files go to the window
         self.search.returnPressed.connect(self._find)
-        self.search.textEdited.connect(lambda _text: self._show_found(True))
+        for news in (self.search.textEdited, self.search.left):
+            news.connect(lambda: show_refused(self.search, ""))
         line = QHBoxLayout(self.head)
         line.setContentsMargins(8, 2, 4, 2)
         line.setSpacing(2)
@@ -91,9 +105,7 @@ class WordsRow(StripRow):
         context_menu(self, *groups).popup(place)
 
     def _find(self) -> None:
-        self._show_found(self.strip.find(self.search.text()))
-
-    def _show_found(self, found: bool) -> None:
-        """Show in the field whether the word was found."""
-        self.search.setProperty("refused", not found)
-        self.search.style().polish(self.search)
+        """Select the next word with this beginning, or say that there is none."""
+        text = self.search.text().strip()
+        why = f"No word begins with “{text[:_LONGEST]}”" if text else "Type the beginning of a word"
+        show_refused(self.search, "" if self.strip.find(text) else why)
