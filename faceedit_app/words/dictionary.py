@@ -69,12 +69,23 @@ def _is_outside(part: str, at: int) -> bool:
 
 
 @cache
-def pronunciations() -> Mapping[str, str]:
-    """ARPABET phonemes of each word, separated by spaces; the usual pronunciation only."""
+def _entries() -> Mapping[str, str]:
+    """ARPABET phonemes of each word; other ways to say one are entries such as `read(2)`."""
     from pocketsphinx import get_model_path
 
     lines = Path(get_model_path("en-us/cmudict-en-us.dict")).read_text("utf-8").splitlines()
-    return dict(line.split(" ", 1) for line in lines if "(" not in line and " " in line)
+    return dict(line.split(" ", 1) for line in lines if " " in line)
+
+
+def pronunciations(word: str) -> Mapping[str, str]:
+    """All entries of a word in lower case, the usual one first; none if it is unknown."""
+    known = _entries()
+    found: dict[str, str] = {}
+    entry = word
+    while entry in known:
+        found[entry] = known[entry]
+        entry = f"{word}({len(found) + 1})"
+    return found
 
 
 def phonemes_of(word: str) -> str | None:
@@ -82,7 +93,9 @@ def phonemes_of(word: str) -> str | None:
 
     Abbreviations are known without their last point, and words without their accents.
     """
-    known = pronunciations()
+    if "(" in word:  # another way to say a word, or no word
+        return None
+    known = _entries()
     plain = word
     if not word.isascii():
         letters = unicodedata.normalize("NFD", word)

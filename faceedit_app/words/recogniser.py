@@ -15,6 +15,7 @@ import numpy as np
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.words.denoising import RATE, STEP, Spoken, Stopped, loudness
+from faceedit_app.words.dictionary import pronunciations
 from faceedit_app.words.transcript import Phoneme, Word
 
 if TYPE_CHECKING:
@@ -45,8 +46,8 @@ class Aligner:
         self.seconds = len(self._voice) / RATE
         self._decoder = _decoder()
         for word, sounds in phones.items():
-            if self._decoder.lookup_word(word) is None:
-                self._decoder.add_word(word, sounds, True)
+            for entry, said in (pronunciations(word) or {word: sounds}).items():
+                self._decoder.add_word(entry, said, False)
 
     def whole(self, words: Sequence[str], start: float, end: float) -> list[Word]:
         """All words in a stretch, seconds."""
@@ -147,11 +148,13 @@ def _timed(decoder: Decoder, start: float) -> list[tuple[Phoneme, ...]]:
 
 
 def _decoder() -> Decoder:
+    """A decoder without words: its whole dictionary would take twelve times as long to read."""
     from pocketsphinx import Decoder
 
     return Decoder(
         samprate=RATE,
         lm=None,
+        dict=None,
         bestpath=False,
         dither=False,
         maxhmmpf=-1,

@@ -7,6 +7,7 @@ import pytest
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.words.dictionary import (
     is_foreign,
+    phonemes_of,
     pronounce,
     spoken,
     suggestion,
@@ -45,6 +46,7 @@ def test_what_is_never_closed_takes_no_time(damage: str) -> None:
 def test_unknown_words_are_listed_once() -> None:
     assert unknown_words("Zyx blue 8 zyx", {}) == ["zyx", "8"]
     assert unknown_words("Zyx blue 8 zyx", {"zyx": "zix", "8": "eight"}) == []
+    assert phonemes_of("read(2)") is None  # the dictionary's own name for a way to say it
     with pytest.raises(FaceEditError, match=r"“zyx”, “8”"):
         pronounce(["zyx", "blue", "8"], {})
 
