@@ -70,8 +70,8 @@ def test_what_it_leads_stays_and_what_leads_it_goes_alone() -> None:
 def test_fixes_and_the_search_for_problems_do_without(missing: tuple[str, ...]) -> None:
     session = session_without(*missing, engine=False)
     find_problems(session)
-    for fix in shipped_presets():
-        for selection in (None, (2.0, 3.0)):
-            session.add(*apply_preset(session, fix, selection, 4.7))
+    fixes = shipped_presets()
+    for selection in (None, (2.0, 3.0)):
+        session.add(*(e for fix in fixes for e in apply_preset(session, fix, selection, 4.7)))
     find_problems(session)
     assert np.isfinite(session.weights).all()
