@@ -90,14 +90,14 @@ def test_a_film_that_lies_on_its_side_or_head_is_tracked_upright(
     turns: int,
     way: str,
 ) -> None:
-    lying = [np.ascontiguousarray(np.rot90(picture, turns)) for picture in pictures]
+    lying = [np.ascontiguousarray(np.rot90(picture, turns)) for picture in pictures[:24]]
     found = track_film(make_face_film(tmp_path / "lying.mp4", lying), shipped_rig())
     assert any(f"{way} in the film" in note for note in found.notes)
     assert not any("in the film" in note for note in tracked.notes)
     seen = found.sure
-    assert seen.sum() >= len(pictures) - 2
-    assert np.degrees(np.abs(found.head - tracked.head)[seen]).max() < 3.0
-    away = np.abs(controls_of(found.weights) - controls_of(tracked.weights))[seen]
+    assert seen.sum() >= len(lying) - 2
+    assert np.degrees(np.abs(found.head - tracked.head[:24])[seen]).max() < 3.0
+    away = np.abs(controls_of(found.weights) - controls_of(tracked.weights[:24]))[seen]
     assert away[:, CONTROL_INDEX["mouth_opening"]].mean() < 0.5
 
 
@@ -126,15 +126,15 @@ def test_a_take_can_have_another_frame_rate(tmp_path: Path, tracked: Tracked) ->
 
 
 def test_varying_times_are_kept(tmp_path: Path, pictures: list[NDArray[np.uint8]]) -> None:
-    times = np.cumsum([0.0, *np.tile([0.03, 0.05], len(pictures))[: len(pictures) - 1]])
-    path = make_face_film(tmp_path / "phone.mp4", pictures, times.tolist())
+    times = np.cumsum([0.0, *np.tile([0.03, 0.05], 12)[:23]])
+    path = make_face_film(tmp_path / "phone.mp4", pictures[:24], times.tolist())
     np.testing.assert_allclose(track_film(path, shipped_rig()).landmarks.times, times, atol=2e-4)
 
 
 def test_pictures_without_the_face_are_a_gap(
     tmp_path: Path, pictures: list[NDArray[np.uint8]]
 ) -> None:
-    hidden = list(pictures)
+    hidden = pictures[:22]
     hidden[8:14] = [np.full((SIZE, SIZE, 3), 90, np.uint8)] * 6
     found = track_film(make_face_film(tmp_path / "gone.mp4", hidden), shipped_rig())
     assert not found.sure[8:14].any()
@@ -155,7 +155,7 @@ def test_what_is_hidden_is_not_made_up(
     tmp_path: Path, pictures: list[NDArray[np.uint8]], tint: tuple[int, int, int], last: int
 ) -> None:
     """The landmarker is sure of a mouth behind a hand; the take is not."""
-    hidden = list(pictures)
+    hidden = pictures[: last + 10]
     random = np.random.default_rng(1)
     for index in range(8, last + 1):
         picture = hidden[index].astype(np.float64)
@@ -175,8 +175,8 @@ def test_a_scene_in_other_light_is_no_hand(
 ) -> None:
     side = np.linspace(0.25, 1.5, SIZE)[None, :, None]
     lit = [
-        np.clip(picture * (side if index < 20 else side[:, ::-1]), 0, 255).astype(np.uint8)
-        for index, picture in enumerate(pictures)
+        np.clip(picture * (side if index < 12 else side[:, ::-1]), 0, 255).astype(np.uint8)
+        for index, picture in enumerate(pictures[:24])
     ]
     found = track_film(make_face_film(tmp_path / "light.mp4", lit), shipped_rig())
     assert found.sure.all()
@@ -205,25 +205,25 @@ def test_a_face_that_is_never_seen_well_is_no_take(tmp_path: Path) -> None:
 def test_a_pause_of_the_camera_is_a_gap_and_no_slow_film(
     tmp_path: Path, pictures: list[NDArray[np.uint8]]
 ) -> None:
-    times = np.arange(len(pictures)) / RATE
-    times[20:] += 30.0
+    times = np.arange(20) / RATE
+    times[10:] += 30.0
     found = track_film(
-        make_face_film(tmp_path / "paused.mp4", pictures, times.tolist()), shipped_rig()
+        make_face_film(tmp_path / "paused.mp4", pictures[:20], times.tolist()), shipped_rig()
     )
     write_take(found, tmp_path / "take.csv")
     clip = open_take(tmp_path / "take.csv").clip
     assert clip.rate == pytest.approx(RATE)
-    assert [gap.frame for gap in clip.gaps] == [19]
+    assert [gap.frame for gap in clip.gaps] == [9]
 
 
 def test_a_moment_between_lost_pictures_is_lost_too(
     tmp_path: Path, pictures: list[NDArray[np.uint8]]
 ) -> None:
-    hidden = list(pictures)
-    for index in (8, 9, 11, 12, 30, 34):
+    hidden = pictures[:26]
+    for index in (8, 9, 11, 12, 18, 22):
         hidden[index] = np.full((SIZE, SIZE, 3), 90, np.uint8)
     found = track_film(make_face_film(tmp_path / "gone.mp4", hidden), shipped_rig())
-    assert np.flatnonzero(~found.sure).tolist() == [8, 9, 10, 11, 12, 30, 34]
+    assert np.flatnonzero(~found.sure).tolist() == [8, 9, 10, 11, 12, 18, 22]
 
 
 def test_the_largest_face_is_tracked_or_the_one_that_was_chosen(
