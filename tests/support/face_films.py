@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from support.faces import shipped_rig
 SIZE = 320
 RATE = 25.0
 # Pictures of faces, by where they are seen from, their size, and the bytes of their weights.
-_drawn: defaultdict[tuple[float, int], dict[bytes, NDArray[np.uint8]]] = defaultdict(dict)
+_drawn: dict[tuple[float, int, bytes], NDArray[np.uint8]] = {}
 
 
 def speaking(frames: int = 40) -> NDArray[np.float32]:
@@ -38,22 +37,29 @@ def speaking(frames: int = 40) -> NDArray[np.float32]:
 def face_pictures(
     weights: NDArray[np.float32], yaw: float = 0.0, size: int = SIZE
 ) -> list[NDArray[np.uint8]]:
-    """(size, size, 3) RGB pictures of the character, seen from `yaw` radians to its left.
+    """(size, size, 3) RGB pictures of the character, seen from `yaw` radians to its left."""
+    return turning_pictures([(row, yaw) for row in weights], size)
+
+
+def turning_pictures(
+    faces: Sequence[tuple[NDArray[np.float32], float]], size: int = SIZE
+) -> list[NDArray[np.uint8]]:
+    """(size, size, 3) RGB pictures of the character, by its weights and where it is seen from.
 
     Faces that come again, in one film or several, are drawn once.
     """
-    rig, drawn = shipped_rig(), _drawn[yaw, size]
-    new = {face: row for row in weights if (face := row.tobytes()) not in drawn}
+    rig, wanted = shipped_rig(), [(yaw, size, row.tobytes()) for row, yaw in faces]
+    new = {key: face for key, face in zip(wanted, faces, strict=True) if key not in _drawn}
     if new:
-        camera = replace(default_camera(rig), yaw=yaw)
         renderer = open_renderer(rig, size, size)
         try:
-            for face, row in new.items():
+            for key, (row, yaw) in new.items():
+                camera = replace(default_camera(rig), yaw=yaw)
                 picture = renderer.draw(rig.vertices(rig.from_arkit(row)), camera)
-                drawn[face] = np.ascontiguousarray(picture[..., 2::-1])
+                _drawn[key] = np.ascontiguousarray(picture[..., 2::-1])
         finally:
             renderer.close()
-    return [drawn[row.tobytes()].copy() for row in weights]
+    return [_drawn[key].copy() for key in wanted]
 
 
 def make_face_film(

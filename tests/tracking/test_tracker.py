@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from support.face_films import RATE, SIZE, face_pictures, make_face_film, speaking
+from support.face_films import (
+    RATE,
+    SIZE,
+    face_pictures,
+    make_face_film,
+    speaking,
+    turning_pictures,
+)
 from support.faces import shipped_rig
 from support.films import damage_pictures, make_film, make_wav
 from support.tracker import needs_tracker
@@ -75,8 +82,9 @@ def test_a_still_head_is_not_turned(tracked: Tracked) -> None:
 def test_a_turned_head_turns_the_take(tmp_path: Path) -> None:
     turned = np.radians(18.0)
     still = np.zeros((12, len(ARKIT_INDEX)), np.float32)
-    parts = [*face_pictures(still), *face_pictures(still, yaw=turned)]
-    found = track_film(make_face_film(tmp_path / "turn.mp4", parts), shipped_rig())
+    faces = [(row, yaw) for yaw in (0.0, turned) for row in still]
+    path = make_face_film(tmp_path / "turn.mp4", turning_pictures(faces))
+    found = track_film(path, shipped_rig())
     yaw = found.head[:, 0]
     # Seen from its left, the head has turned to its right, which is positive.
     assert np.degrees(np.median(yaw[12:]) - np.median(yaw[:12])) == pytest.approx(18.0, abs=4.0)
