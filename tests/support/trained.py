@@ -19,7 +19,7 @@ def random_networks(
 ) -> UNets:
     """Untrained U-Nets in which the autoencoder answers as well."""
     torch.manual_seed(seed)
-    networks = UNets(controls, channels, widths)
+    networks = UNets(controls, channels, widths, activation="silu")
     torch.nn.init.normal_(networks.autoencoder.out.weight, std=0.2)
     for module in networks.modules():
         if isinstance(module, torch.nn.BatchNorm2d):
