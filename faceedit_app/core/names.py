@@ -130,7 +130,7 @@ def naming_of(names: Iterable[str]) -> Callable[[str], str | None]:
 
 def _without_affixes(name: str) -> Iterator[tuple[tuple[str, str], str]]:
     """The channels that a name means without its first words or its last, and those words."""
-    if len(name) > _LONGEST:
+    if len(name) > _LONGEST or _LETTER.search(name) is None:
         return
     marks = [(m.start(), m.end()) for m in _BETWEEN.finditer(name)][:_MOST_MARKS]
     starts = [0, *(end for _, end in marks)]

@@ -102,17 +102,17 @@ def _name_column(
     width = max(map(len, rows))
     if width < 2:
         return None
-    shares = [
-        np.mean([k < len(row) and _names_channel(row[k], naming) for row in rows])
-        for k in range(min(width, 50))
-    ]
-    best = int(np.argmax(shares))
-    return best if shares[best] >= _MOST else None
+    columns = ([row[k] for row in rows if k < len(row)] for k in range(min(width, 50)))
+    counts = [_count_named(cells, naming) for cells in columns]
+    best = int(np.argmax(counts))
+    return best if counts[best] >= _MOST * len(rows) else None
 
 
-def _names_channel(cell: bytes, naming: Naming) -> bool:
-    """Whether a cell names a channel; most are numbers, and a number is quick to tell."""
-    return _LETTER.search(cell) is not None and naming(plain_text(cell)) is not None
+def _count_named(cells: Cells, naming: Naming) -> int:
+    """How many cells name a channel; most columns are numbers, which is quick to tell."""
+    if _LETTER.search(b" ".join(cells)) is None:
+        return 0
+    return sum(naming(plain_text(cell)) is not None for cell in cells)
 
 
 def _with_header(table: Table) -> Table:

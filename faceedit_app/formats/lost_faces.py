@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -44,9 +45,11 @@ _SENTINEL = 999.0  # no weight on any scale, in every column of a row
 _FEWEST_NUMBERS = 3  # of a row that such numbers mark as lost
 _FACE = 8  # channels of a row that are not all 0 by chance
 _ABRUPT = 0.05  # full blendshapes by which a frame beside such a row differs
+_REMEMBERED = 1_000  # names, without case and separators
 _TIME_UNIT = re.compile(r"[\[(]?(?:s|secs?|seconds?|ms|msecs?|milliseconds?|frames?)[\])]?", re.I)
 
 
+@lru_cache(_REMEMBERED)  # all rows of a file are asked about the same flag
 def letters(name: str) -> str:
     """A name without case and separators."""
     return re.sub(r"[\W_]", "", name).lower()
