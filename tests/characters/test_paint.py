@@ -11,6 +11,7 @@ from PIL import Image
 from support.faces import shipped_rig
 
 from faceedit_app.characters import making
+from faceedit_app.characters import paint as paint_of_scans
 from faceedit_app.characters.fitted import open_character
 from faceedit_app.characters.glb_writing import write_rig
 from faceedit_app.characters.making import Made, Template, make
@@ -154,7 +155,12 @@ def _stripes(places: Doubles) -> Doubles:
 
 
 @pytest.fixture(scope="module")
-def made(template: Template) -> Made:
+def atlas(template: Template) -> Atlas:
+    return Atlas.of(template.vertices, template.faces)
+
+
+@pytest.fixture(scope="module")
+def made(template: Template, atlas: Atlas) -> Made:
     """Of a scan that is our own head, with stripes finer than its vertices."""
     v = template.vertices
     low, size = v.min(axis=0), np.ptp(v, axis=0)
@@ -171,6 +177,8 @@ def made(template: Template) -> Made:
     points = {name: v[vertex] for name, vertex in template.points.items()}
     with pytest.MonkeyPatch.context() as patch:  # it fits, and to find that out takes seconds
         patch.setattr(making, "register", lambda *_: FittedTemplate(v, np.eye(4)))
+        patch.setattr(Atlas, "of", lambda *_: atlas)
+        patch.setattr(paint_of_scans, "SIZE", 512)
         return make(template, scan, template.landmarks(points), "Striped")
 
 
@@ -211,8 +219,8 @@ def test_it_is_saved_with_its_picture(made: Made, tmp_path: Path) -> None:
     assert [m.name for m in skin] == ["skin", "lips"]
 
 
-def test_no_two_triangles_share_a_pixel(template: Template) -> None:
-    pixels, _, weights = Atlas.of(template.vertices, template.faces).texels(512)
+def test_no_two_triangles_share_a_pixel(atlas: Atlas) -> None:
+    pixels, _, weights = atlas.texels(512)
     inside = pixels[(weights > 1e-3).all(axis=1)]
     assert len(np.unique(inside)) > 0.97 * len(inside)
     assert len(np.unique(pixels)) > 0.4 * 512**2
