@@ -259,7 +259,7 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
         session.travel(-2)
     beside, session.beside = session.beside, lambda: Placement(sound, sound)
     session.place(Placement(film=sound))
-    removed = "That you removed the sound of take.csv is not saved in a project."
+    removed = "You removed the sound of take.csv; that is not saved in a project."
     assert question_about(document) == (removed, "If you discard that, it comes back.")
     session.undo()
     session.say(Transcript((Word("blue", 0.1, 0.4),)), Placement(sound, sound))

@@ -63,7 +63,7 @@ def _in_no_project(name: str, parts: Sequence[str], placed: Placement) -> tuple[
     gone = {part for part, file in ((SOUND, placed.sound), (FILM, placed.film)) if file is None}
     one = parts[0] if len(parts) == 1 else ""
     if one in gone:
-        message = f"That you removed the {one} of {name} is not saved in a project."
+        message = f"You removed the {one} of {name}; that is not saved in a project."
         return message, "If you discard that, it comes back."
     if one in (SOUND, FILM):
         message = f"The {one} of {name} is not saved in a project."
