@@ -29,7 +29,7 @@ from faceedit_app.formats.lost_faces import (
 )
 from faceedit_app.formats.numbers import is_number
 
-_HEAD = 1 << 20  # bytes; enough for a header and a row
+HEAD = 1 << 20  # bytes; enough for a header and a row
 _MOST_LINES = 6_000_000  # more than a day at 60 fps
 _MOST_COLUMNS = 10_000
 _LONGEST_LINE = 2 << 20  # bytes
@@ -284,7 +284,7 @@ def read_table(path: Path, content: bytes) -> Table:
 
 def first_rows(content: bytes) -> tuple[tuple[str, ...], Cells]:
     """The column names and the first row's cells, if the content is read as CSV."""
-    lines = content[:_HEAD].removeprefix(BOM).splitlines()
+    lines = content[:HEAD].removeprefix(BOM).splitlines()
     place = _header(lines)
     header = lines[place] if lines else b""
     row = next((line for line in lines[place + 1 :] if line.strip()), b"")

@@ -16,7 +16,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
-from faceedit_app.formats.csv_table import first_rows, plain_text, read_table
+from faceedit_app.formats.csv_table import HEAD, first_rows, plain_text, read_table
 from faceedit_app.formats.csv_take import csv_take
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import (
@@ -44,6 +44,8 @@ def sniff(content: bytes) -> float:
 
     The column name alone is not enough: Audio2Face calls its seconds `timeCode`.
     """
+    if b"timecode" not in content[:HEAD].lower():  # quick to tell
+        return 0.0
     names, cells = first_rows(content)
     lower = [name.lower() for name in names]
     if "timecode" not in lower or not any(map(canonical_channel, names)):
