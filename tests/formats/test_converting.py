@@ -45,7 +45,9 @@ def source(tmp_path: Path) -> Path:
 @pytest.fixture(scope="module")
 def long(tmp_path_factory: pytest.TempPathFactory) -> Take:
     """80 s at 30 fps: long enough to tell 59.94 fps from 60."""
-    return open_take(make_plain_csv(tmp_path_factory.mktemp("long") / "take.csv", 80, rate=30))
+    path = tmp_path_factory.mktemp("long") / "take.csv"
+    channels = ("jawOpen", "mouthClose", "mouthFunnel", "mouthSmileLeft", "eyeBlinkLeft")
+    return open_take(make_plain_csv(path, 80, 30, channels))
 
 
 def test_a_live_link_face_csv_is_as_the_application_writes_it(source: Path) -> None:

@@ -133,11 +133,16 @@ def _lines(
 _usual_lines = lru_cache(maxsize=32)(_lines)  # most tests want the same few takes
 
 
-def make_plain_csv(path: Path, seconds: float = 2.0, rate: float = 30.0) -> Path:
+def make_plain_csv(
+    path: Path,
+    seconds: float = 2.0,
+    rate: float = 30.0,
+    channels: tuple[str, ...] = ARKIT_CHANNELS,
+) -> Path:
     """Write a CSV with `time_s` and ARKit names, 4 and 5 decimals."""
     frames = round(seconds * rate)
-    weights = speech_like(frames, rate, ARKIT_CHANNELS)
-    lines = [",".join(["time_s", *ARKIT_CHANNELS])]
+    weights = speech_like(frames, rate, channels)
+    lines = [",".join(["time_s", *channels])]
     for frame in range(frames):
         cells = [f"{value:.5f}" for value in weights[frame]]
         lines.append(",".join([f"{frame / rate:.4f}", *cells]))
