@@ -18,6 +18,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.csv_table import HEAD, first_rows, plain_text, read_table
 from faceedit_app.formats.csv_take import csv_take
+from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timecode import (
     is_clock,
@@ -44,7 +45,7 @@ def sniff(content: bytes) -> float:
 
     The column name alone is not enough: Audio2Face calls its seconds `timeCode`.
     """
-    if b"timecode" not in content[:HEAD].lower():  # quick to tell
+    if looks_like_json(content) or b"timecode" not in content[:HEAD].lower():  # quick to tell
         return 0.0
     names, cells = first_rows(content)
     lower = [name.lower() for name in names]

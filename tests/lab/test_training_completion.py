@@ -111,7 +111,7 @@ def test_the_file_answers_as_the_network(tmp_path: Path, whole: TrainedCompletio
 
 
 def test_training_beats_keeping_every_take_and_replacing_every_take() -> None:
-    errors = fitted(tiny(epochs_completion=30, completion_widths=(8, 12))).errors
+    errors = fitted(tiny(epochs_completion=12, completion_widths=(8, 12))).errors
     assert errors["network"] < 0.95 * min(errors["kept"], errors["around"])
 
 
