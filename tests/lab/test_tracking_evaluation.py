@@ -81,9 +81,9 @@ def test_an_unknown_film_is_refused_with_the_known_ones() -> None:
 
 @needs_tracker
 def test_our_fit_is_better_than_the_networks_weights(tmp_path: Path) -> None:
-    clip = Clip(speaking(40), ARKIT_CHANNELS, np.arange(40) / 25.0, 25.0)
+    clip = Clip(speaking(24), ARKIT_CHANNELS, np.arange(24) / 25.0, 25.0)
     (tmp_path / "take.csv").write_bytes(livelink.write(clip))
-    figures = evaluate_tracking([tmp_path / "take.csv"], 1.6, [Conditions("small", size=320)])
+    figures = evaluate_tracking([tmp_path / "take.csv"], 0.96, [Conditions("small", size=320)])
     assert [one.method for one in figures] == list(METHODS)
     true, network, _, full = figures
     assert max(true.error) == true.open_taken == 0.0
