@@ -70,7 +70,7 @@ def test_a_folder_is_tracked_and_what_fails_is_reported(
     films.mkdir()
     (films / "a.mp4").write_bytes(film.read_bytes())
     (films / "A.mov").write_bytes(film.read_bytes())
-    make_film(films / "b.mp4")
+    make_film(films / "b.mp4", frames=12)
     assert main(["track", str(films), "-o", str(tmp_path / "takes"), "--json"]) == 1
     said = capsys.readouterr()
     other, facts = sorted(json.loads(said.out), key=lambda one: str(one["path"]))

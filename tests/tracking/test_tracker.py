@@ -311,7 +311,7 @@ def test_progress_shows_every_picture_and_can_be_stopped(film: Path) -> None:
 
 
 def _numbers(path: Path) -> Path:
-    return make_film(path / "numbers.mp4")
+    return make_film(path / "numbers.mp4", frames=12)
 
 
 def _slow(path: Path) -> Path:
