@@ -29,6 +29,7 @@ from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.history import EditHistory
 from faceedit_app.editing.solving.answerable import Lack
 from faceedit_app.editing.solving.filled_frames import FilledFrames, filled_frames
+from faceedit_app.editing.solving.filled_rows import FilledRows
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState
@@ -72,6 +73,7 @@ class EditSession(EditHistory):
         self.exported_over: Fingerprint | None = None
         self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
+        self._filled = FilledRows(self._solver, rig)
         self._answered = self.state  # what the arrays show
         source = take.source
         shows = source.as_written if isinstance(source, RoundingSource) else None
@@ -110,6 +112,7 @@ class EditSession(EditHistory):
         """Answer edits with this engine from now on; it is loaded after the window is up."""
         self.live.forget()
         self._solver.use_engine(engine)
+        self._filled.forget()
         self._answer_again()
 
     def use_character(self, theirs: Rig | None) -> None:
@@ -117,6 +120,7 @@ class EditSession(EditHistory):
         self.shown_rig = self.rig if theirs is None else theirs
         self.live.forget()
         self._solver.use_character(theirs)
+        self._filled.use_character(theirs)
         self._answer_again()
 
     def _answer_again(self) -> None:
@@ -208,7 +212,7 @@ class EditSession(EditHistory):
         if lost is None:
             return None
         self.live.work()
-        return self._solver.found(lost, state.edits, state.settings.closes, self.weights)
+        return self._filled.find(lost, state.edits, state.settings, self.weights)
 
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.

@@ -178,16 +178,12 @@ class Fills:
         self,
         edits: Sequence[Edit],
         positions: Sequence[float],
-        weights: Floats,
         until: float | None = None,
     ) -> Floats | None:
         """(L, 52) weights for rows that lost the face, where a fill covers them; else NaN.
 
-        What other edits change in the frames around is added, in proportion.
-
         Args:
             positions: (L) see `LostRows`.
-            weights: (T, 52) the result with all edits.
             until: a time of `time.perf_counter`; then it goes on with no other gap.
 
         Returns:
@@ -222,9 +218,6 @@ class Fills:
                     has_found = True
                 between = partial(self._filling.between, stretch, seconds[covered])
                 out[covered] = self._found.to(key, between)
-        started, share = self.applied(changing, whole), share[:, None]
-        for rows, part in ((before, 1.0 - share), (before + 1, share)):
-            out += part * (weights[rows] - started[rows]).astype(np.float64)
         found: Floats = np.round(np.clip(out, 0.0, 1.0), DECIMALS).astype(np.float32)
         return found
 

@@ -44,7 +44,7 @@ from faceedit_app.editing.solving.solved_regions import SolvedRegions
 from faceedit_app.editing.solving.start import Start, Starts
 from faceedit_app.editing.solving.take_regions import BEYOND, TakeRegion
 from faceedit_app.editing.solving.take_statistics import IDLE, Sample
-from faceedit_app.formats.take import LostRows, have_faces
+from faceedit_app.formats.take import LostRows
 
 if TYPE_CHECKING:  # the window is there before the networks
     from faceedit_app.networks.engine import Engine
@@ -218,21 +218,21 @@ class Solver:
             Whether all are found.
         """
         acting = active(divided(edits)[0])
-        return self._fills.found(acting, lost.positions, self.tracked, until) is not None
+        return self._fills.found(acting, lost.positions, until) is not None
 
-    def found(self, lost: LostRows, edits: Sequence[Edit], closes: bool, weights: Floats) -> Floats:
-        """(L, K) weights for the rows without a face that fills cover; else NaN.
-
-        Args:
-            closes: whether lips and lids close on the user's character.
-            weights: (T, 52) the result of the edits.
-        """
-        found = self._fills.found(active(divided(edits)[0]), lost.positions, weights)
+    def found(self, lost: LostRows, edits: Sequence[Edit]) -> Floats:
+        """(L, 52) what fills put in the rows without a face that they cover; else NaN."""
+        found = self._fills.found(active(divided(edits)[0]), lost.positions)
         assert found is not None, "it has all the time"
-        if self._closing is not None and closes:
-            faces = have_faces(found)
-            found[faces] = rounded(self._closing(found[faces]), found[faces])
-        return found[:, [ARKIT_INDEX[c] for c in self.clip.channels]]
+        return found
+
+    def started(self, edits: Sequence[Edit]) -> Floats:
+        """(T, 52) the take that all edits but fills, retimes and neutral rests start from."""
+        return self._fills.applied(active(divided(edits)[0]), slice(0, len(self.clip)))
+
+    def closed_on_theirs(self, weights: Floats) -> Floats:
+        """(N, 52) weights with lips and lids closed on the user's character, if there is one."""
+        return weights if self._closing is None else rounded(self._closing(weights), weights)
 
     def moved(self, edits: Sequence[Edit], values: Floats) -> Floats:
         """(T,) values of the frames, such as confidence, at the moments that retimes show."""
