@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QCoreApplication, QSettings
+from PySide6.QtCore import QCoreApplication, QEvent, QSettings
 
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.session import EditSession
@@ -48,6 +48,18 @@ def open_window(
         if time.monotonic() > until:
             raise TimeoutError(f"{take} was not opened in {_PATIENCE:.0f} s")
     return window
+
+
+def close_window(window: MainWindow) -> None:
+    """Close a window and delete all of it, in this thread and while Qt is there.
+
+    What is left when Python ends is deleted in any order, which may crash.
+    """
+    window.leave()
+    window.hide()
+    window.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    QCoreApplication.processEvents()
 
 
 def _shows(window: MainWindow, character: Path | None) -> bool:

@@ -20,7 +20,7 @@ from faceedit_app.lab.attacks.checks import wrong_after, wrong_when_undone
 from faceedit_app.lab.attacks.hands import dialogs_cancelled, exceptions_noted, qt_warnings_noted
 from faceedit_app.lab.attacks.memory import memory_of
 from faceedit_app.lab.attacks.monkey import Monkey
-from faceedit_app.lab.attacks.opened import open_window, session_of
+from faceedit_app.lab.attacks.opened import close_window, open_window, session_of
 from faceedit_app.lab.attacks.watchdog import Watchdog
 from faceedit_app.ui.start.application import application, collecting
 from faceedit_app.ui.start.window import MainWindow
@@ -127,7 +127,7 @@ def soak(
                 shutil.copytree(folder, keep, dirs_exist_ok=True)
             _undo_everything(window, folder, soaked, dog)
         finally:
-            window.leave()
+            close_window(window)
             journal.journal_folder = folder_of_journals
     judge_memory(soaked, keep)
     return soaked
