@@ -45,6 +45,10 @@ def test_what_is_shown_in_a_gap_is_what_the_export_writes(
 ) -> None:
     editor, session, line = editor_of(window), session_of(window), window.timeline
     (gap,) = session.take.clip.gap_times
+    trigger(window, "all_channels")
+    channels = editor.channels
+    assert channels is not None
+    channels.choose("jawOpen", "headYaw")
     assert not len(face_line(window, 0.001))
     trigger_enabled(window, "next_problem", "fix_problem")
     assert len(face_line(window, 0.001)) == len(LOST), "the proposal is shown"
@@ -61,6 +65,11 @@ def test_what_is_shown_in_a_gap_is_what_the_export_writes(
     assert counted == f"1 edit · {changed} frames changed"
     exported = open_take(tmp_path / "out.csv").clip
     rig = session.rig
+    jaw = exported.arkit_weights()[:, ARKIT_INDEX["jawOpen"]]
+    plots = [plot._edited.getOriginalDataset() for plot in channels.plots]
+    np.testing.assert_allclose(plots[0][0], exported.times, atol=1e-6)
+    np.testing.assert_allclose(plots[0][1], jaw, atol=1e-6)
+    assert len(plots[1][0]) == len(session.take.clip), "a fill does not turn the head"
     for row in LOST:
         line.go_to_time(row / 60)
         assert line.time == pytest.approx(row / 60, abs=1e-3)
@@ -68,6 +77,7 @@ def test_what_is_shown_in_a_gap_is_what_the_export_writes(
         np.testing.assert_allclose(shown, rig.from_arkit(exported.arkit_weights()[row]), atol=2e-5)
         opening = float(rig.arkit_distances.measure(exported.arkit_weights()[[row]])[0, OPENING])
         assert editor.curves.headers[OPENING].value == f"{opening:.1f} mm"
+        assert channels.plots[0].shown == f"jawOpen  {jaw[row]:.2f}"
 
 
 def test_the_playhead_steps_and_plays_through_filled_frames(window: MainWindow) -> None:

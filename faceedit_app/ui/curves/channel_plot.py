@@ -9,7 +9,6 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF
 from PySide6.QtGui import QMouseEvent
 
-from faceedit_app.core.arrays import Doubles, Times
 from faceedit_app.editing.edits.channels import is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
@@ -19,6 +18,7 @@ from faceedit_app.ui.curves.gestures import Pointer, Span, clamped
 from faceedit_app.ui.curves.marks import Playhead, selection_region
 from faceedit_app.ui.curves.time_view import Mouse, TimeView
 from faceedit_app.ui.curves.tools import DrawDrag
+from faceedit_app.ui.state.gap_frames import Values
 from faceedit_app.ui.state.timeline import Timeline
 
 _ROOM = 0.06  # of the values, above and below
@@ -77,23 +77,23 @@ class ChannelPlot(pg.PlotItem, Mouse):
     # --- what is shown -----------------------------------------------------------------------
 
     def show_values(
-        self, times: Times, tracked: Doubles, edited: Doubles, ratio: float = 1.0
+        self, tracked: tuple[Values, Values], edited: tuple[Values, Values], ratio: float = 1.0
     ) -> None:
-        """Show the channel (T,) as tracked and as edited.
+        """Show the channel as tracked and as edited.
 
         Args:
+            tracked, edited: times and values of the points, (N,) each.
             ratio: dots of the screen in a pixel.
         """
         if ratio != self._ratio:
             self._ratio = ratio
             self._tracked.setPen(style.in_dots(style.tracked_pen(), ratio))
             self._edited.setPen(style.in_dots(style.face_pen(style.FOCUS), ratio))
-        self._tracked.setData(times, tracked)
-        self._edited.setData(times, edited, symbol="o" if len(times) == 1 else None)
+        self._tracked.setData(*tracked)
+        self._edited.setData(*edited, symbol="o" if len(edited[0]) == 1 else None)
         if self._drawn is None:
-            self._fit(
-                float(min(tracked.min(), edited.min())), float(max(tracked.max(), edited.max()))
-            )
+            values = tracked[1], edited[1]
+            self._fit(float(min(v.min() for v in values)), float(max(v.max() for v in values)))
 
     def _fit(self, low: float, high: float) -> None:
         if is_rotation(self.channel):

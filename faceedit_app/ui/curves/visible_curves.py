@@ -14,9 +14,9 @@ from faceedit_app.core.extremes import Extremes, highest, lowest
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.filled_frames import FilledFrames
 from faceedit_app.ui.curves.scale import Interval
+from faceedit_app.ui.state.gap_frames import Values, through_gaps
 from faceedit_app.ui.state.timeline import Timeline
 
-Values = NDArray[np.floating]
 Mask = NDArray[np.bool_]
 
 BASE = 16  # frames in the smallest bin
@@ -214,15 +214,10 @@ class VisibleCurves:
     def _through_gaps(self, curve: int, face: Polyline) -> Polyline:
         """The line of the face through the filled frames."""
         filled = self._filled
-        if filled is None or not len(face.x):
+        if filled is None:
             return face
-        first, stop = np.searchsorted(filled.times, (face.x[0], face.x[-1])).tolist()
-        if first == stop:
-            return face
-        seconds, values = filled.times[first:stop], filled.controls[first:stop, curve]
-        at = np.searchsorted(face.x, seconds)
-        x, y = np.insert(face.x, at, seconds), np.insert(face.y, at, values)
-        return Polyline(x, y, None, face.thinned)
+        x, y = through_gaps(face.x, face.y, filled.times, filled.controls[:, curve])
+        return face if x is face.x else Polyline(x, y, None, face.thinned)
 
     def extent(self, curve: int) -> Interval:
         """Lowest and highest value in view of all lines, as far as a face can go."""

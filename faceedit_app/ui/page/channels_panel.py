@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 from PySide6.QtCore import QSignalBlocker, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
@@ -20,9 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Doubles
-from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
+from faceedit_app.editing.edits.channels import CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.solving.channel_edits import channels_of
@@ -35,13 +32,13 @@ from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.look.theme import GAP, MARGIN
 from faceedit_app.ui.look.widgets import Elided, OnePush
+from faceedit_app.ui.page.channel_values import idle_channels, points_of, value_at
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 MOST_PLOTS = 4
 _CEILING, _CEILING_TURN = 0.8, 20.0  # of Limit at first: a weight, degrees
 _FIRST = ("jawOpen",)  # selected at first
-_IDLE = 0.005  # a weight that moves less is idle
 
 
 class ChannelsPanel(QWidget):
@@ -174,7 +171,7 @@ class ChannelsPanel(QWidget):
         self.list.blockSignals(True)
         self.list.clear()
         session = self._document.session
-        idle = _idle(session) if session is not None else set()
+        idle = idle_channels(session) if session is not None else set()
         self._items = {}
         for name in self.channels:
             item = self._items[name] = QListWidgetItem(name)
@@ -257,8 +254,8 @@ class ChannelsPanel(QWidget):
         if session is None or not self.isVisible():
             return
         for plot in self.plots:
-            tracked, edited = values_of(session, plot.channel)
-            plot.show_values(session.take.clip.times, tracked, edited, self.devicePixelRatioF())
+            tracked, edited = points_of(session, plot.channel, self._timeline.filled_frames)
+            plot.show_values(tracked, edited, self.devicePixelRatioF())
         self._mark()
 
     def _mark(self) -> None:
@@ -268,11 +265,9 @@ class ChannelsPanel(QWidget):
         span = None
         if line.selection is not None:
             span = Span(*line.selection, line.falloff, line.falloff_out)
-        frame = min(max(line.frame, 0), len(session.weights) - 1)
         self.ruler.show_marks(Marks(selection=span), line.time)
         for plot in self.plots:
-            value = float(values_of(session, plot.channel)[1][frame])
-            plot.show_marks(value, line.time, span)
+            plot.show_marks(value_at(session, plot.channel, line), line.time, span)
 
     # --- gestures ----------------------------------------------------------------------------
 
@@ -330,29 +325,6 @@ class ChannelsPanel(QWidget):
             for channels in _by_unit(self.chosen)
         ]
         session.add(*edits)
-
-
-def values_of(session: EditSession, channel: str) -> tuple[Doubles, Doubles]:
-    """(T,) a channel as tracked and as edited: a weight, or degrees."""
-    if not is_rotation(channel):
-        k = ARKIT_INDEX[channel]
-        clip = session.take.clip
-        tracked = clip.weights[:, clip.channels.index(channel)].astype(np.float64)
-        return tracked, session.weights[:, k].astype(np.float64)
-    k, before = CHANNEL_INDEX[channel] - len(ARKIT_INDEX), session.take.clip.rotations
-    assert before is not None
-    assert session.rotations is not None
-    return (
-        np.degrees(before[:, k].astype(np.float64)),
-        np.degrees(session.rotations[:, k].astype(np.float64)),
-    )
-
-
-def _idle(session: EditSession) -> set[str]:
-    """The channels that the take never moves."""
-    clip = session.take.clip
-    moves = np.ptp(clip.weights, axis=0)
-    return {name for name, move in zip(clip.channels, moves, strict=True) if move < _IDLE}
 
 
 def _by_unit(channels: Sequence[str]) -> list[tuple[str, ...]]:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.timeline import Timeline
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.session import EditSession
+
+Values = NDArray[np.floating]
 
 _QUICK = 0.003  # seconds; in a gesture, what takes longer waits until the hand rests
 _REST_MS = 100
@@ -93,6 +97,30 @@ def values_at(values: Floats, line: Timeline) -> Floats:
         return line.filled_frames.between(values, line.filled)
     row: Floats = values[_frame(values, line)]
     return row
+
+
+def through_gaps(
+    times: Values, values: Values, seconds: Times, filled: Values
+) -> tuple[Values, Values]:
+    """The points of a line with those of the filled frames between its ends.
+
+    Args:
+        times, values: (N,) of the line's points.
+        seconds, filled: (M,) of all filled frames.
+
+    Returns:
+        Times and values; the same arrays if no filled frame lies between the line's ends.
+    """
+    if not len(times):
+        return times, values
+    first, stop = np.searchsorted(seconds, (times[0], times[-1])).tolist()
+    if first == stop:
+        return times, values
+    at = np.searchsorted(times, seconds[first:stop])
+    return (
+        np.insert(times, at, seconds[first:stop]),
+        np.insert(values, at, filled[first:stop]),
+    )
 
 
 def _frame(values: Floats, line: Timeline) -> int:
