@@ -128,13 +128,17 @@ class LostRows:
 
     positions: tuple[float, ...]
 
+    def times(self, clip: Clip) -> Times:
+        """(L,) seconds of the rows in the take's clip."""
+        times: Times = np.interp(self.positions, np.arange(len(clip)), clip.times)
+        return times
+
     def with_faces(self, rows: Floats, clip: Clip) -> RowsBetween:
         """Those of the rows (L, K) that have a face, and where they lie in the take's clip."""
         there = have_faces(rows)
         places = np.array(self.positions)[there]
         before = np.clip(np.floor(places), 0, len(clip) - 2).astype(np.intp)
-        times = np.interp(places, np.arange(len(clip)), clip.times)
-        return RowsBetween(rows[there], times, before, places - before)
+        return RowsBetween(rows[there], self.times(clip)[there], before, places - before)
 
 
 def have_faces(rows: Floats) -> Bools:

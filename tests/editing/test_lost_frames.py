@@ -20,7 +20,7 @@ from faceedit_app.core.arrays import Indices
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import MAIN_CONTROLS
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.editing.help.fill import cannot_fill
+from faceedit_app.editing.help.fill import cannot_fill, faces_given, fill_edit
 from faceedit_app.editing.help.lost_frames import IN_PARTS, lost_frames
 from faceedit_app.editing.help.problems import Kind, find_problems
 from faceedit_app.editing.session import EditSession
@@ -137,6 +137,13 @@ def test_a_selection_within_a_gap_can_be_filled_if_the_file_has_rows_there() -> 
     with_rows = replace(take, lost_rows=LostRows((300.5,)))
     assert cannot_fill(with_rows, start + 0.1, start + 0.4) == ""
     assert "no frame" in cannot_fill(with_rows, start + 0.1, start + 0.2)
+    (row,) = LostRows((300.7001,)).times(clip)
+    assert round(row, 4) < row
+    at_its_end = replace(take, lost_rows=LostRows((300.7001,)))
+    assert cannot_fill(at_its_end, start + 0.1, row) == "", "an end at the row is enough"
+    edit = fill_edit(session_by_rig(at_its_end), start + 0.1, row)
+    assert edit.end >= row, "also if it is rounded"
+    assert faces_given(at_its_end, (edit,)).startswith("1 row ")
 
 
 @pytest.mark.parametrize("has_rows", [False, True])

@@ -26,6 +26,7 @@ _LAGS = np.arange(-3, 4)  # of a guide: lips move before and after their sound
 _RIDGE = 1.0
 _RELATED = 0.3  # correlation below which the loudness says nothing about the opening
 _ENOUGH = 50  # points to learn from
+_SLACK = 1e-6  # seconds by which an end may miss a row
 _MOST_GAIN = 2.0  # a prediction moves less than what it predicts; by so much it is widened
 
 
@@ -39,11 +40,11 @@ class Heard:
 
 def cannot_fill(take: Take, start: float, end: float) -> str:
     """Why a range cannot be filled, in a sentence for the user; empty if it can."""
-    clip, lost = take.clip, _lost_seconds(take)
+    clip = take.clip
     inside = (clip.times >= start - 1e-9) & (clip.times <= end + 1e-9)
     if end - start > LONGEST_FILL + 1e-6:
         return f"Fill makes up to {LONGEST_FILL:.0f} s; select a shorter range"
-    if not inside.any() and not ((lost > start) & (lost < end)).any():
+    if not inside.any() and not _rows_filled(take, start, end):
         return "There is no frame in the selection to fill; select a longer range"
     if inside.all():
         return "The selection is the whole take; leave some motion on one side of it"
@@ -58,7 +59,10 @@ def fill_edit(session: EditSession, start: float, end: float, heard: Heard | Non
         heard: the sound of the take, which steers the mouth; what is needed of it is kept in the
             edit, so that the result is the same without the sound.
     """
+    rows = _lost_within(session.take, start, end).tolist()
     start, end = round(start, 4), round(end, 4)
+    if rows:  # an end at a row without a face gives it one, to whichever side it is rounded
+        start, end = min(start, rows[0]), max(end, rows[-1])
     points = () if heard is None else opening_heard(session, heard, start, end)
     return Edit(MAIN_CONTROLS, Op.FILL, start, end, 0.0, points=points)
 
@@ -98,8 +102,7 @@ def faces_given(take: Take, fix: Sequence[Edit]) -> str:
 
 def _rows_filled(take: Take, start: float, end: float) -> int:
     """How many rows without a face a fill of a range, in seconds, gives one."""
-    seconds = _lost_seconds(take)
-    return int(((seconds > start) & (seconds < end)).sum())
+    return len(_lost_within(take, start, end))
 
 
 def _faces_given(rows: int) -> str:
@@ -109,11 +112,12 @@ def _faces_given(rows: int) -> str:
     return f"{counted(rows, 'row')} without a face {verb} one, as shown in the gap"
 
 
-def _lost_seconds(take: Take) -> Times:
-    """(L,) when the rows are that a fill can give a face to."""
-    places = np.array(take.lost_rows.positions if take.lost_rows is not None else ())
-    seconds: Times = np.interp(places, np.arange(len(take.clip)), take.clip.times)
-    return seconds
+def _lost_within(take: Take, start: float, end: float) -> Times:
+    """(N,) seconds of the rows without a face in a range, to which a fill can give one."""
+    if take.lost_rows is None:
+        return np.empty(0)
+    seconds = take.lost_rows.times(take.clip)
+    return seconds[(seconds >= start - _SLACK) & (seconds <= end + _SLACK)]
 
 
 def opening_heard(
