@@ -70,16 +70,21 @@ class Clip:
 
     def frame_at(self, seconds: float) -> int:
         """Index of the frame nearest to a time, which is the one on screen."""
-        right = int(np.searchsorted(self.times, seconds))
-        if right == 0:
-            return 0
-        if right == len(self.times):
-            return right - 1
-        before, after = self.times[right - 1], self.times[right]
-        return right - 1 if seconds - before <= after - seconds else right
+        return nearest(self.times, seconds)
 
     def arkit_weights(self) -> Floats:
         """(T, 52) float32 in ARKit order; channels that the source lacks are 0."""
         out = np.zeros((len(self.weights), len(ARKIT_INDEX)), np.float32)
         out[:, [ARKIT_INDEX[c] for c in self.channels]] = self.weights
         return out
+
+
+def nearest(times: Times, seconds: float) -> int:
+    """Index of the time (T,) nearest to `seconds`; of two that are as near, the earlier."""
+    right = int(np.searchsorted(times, seconds))
+    if right == 0:
+        return 0
+    if right == len(times):
+        return right - 1
+    before, after = times[right - 1], times[right]
+    return right - 1 if seconds - before <= after - seconds else right

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from support.curves import LEFT, NONE, SHIFT, drag, let_go, place, surface
 from support.takes import make_livelink_csv
 from support.windows import Bench, editor_of, session_of, trigger, trigger_enabled
 
@@ -94,6 +95,73 @@ def test_the_playhead_steps_and_plays_through_filled_frames(window: MainWindow) 
     assert line.filled is None, "it stands on a frame of the take again"
     assert line.frame in (99, 100)
     assert session.edits == ()
+
+
+def test_filled_frames_are_reached_by_mouse_and_typed_times(window: MainWindow) -> None:
+    editor, line = editor_of(window), window.timeline
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
+    line.show_range(1.4, 2.2)
+    plot, ruler, transport = editor.curves.plots[OPENING], editor.curves.ruler, editor.transport
+    for row, strip in ((104, plot), (106, ruler)):
+        QTest.mouseClick(surface(strip), LEFT, NONE, place(strip, row / 60, 10.0))
+        assert line.filled == row - LOST.start
+    drag(ruler, place(ruler, 90 / 60, 10.0), place(ruler, 108 / 60, 10.0))
+    assert line.filled == 108 - LOST.start
+    assert transport.clock.text() == "–", "its time is said once"
+    assert transport.seconds.text().startswith("0:01.800 / ")
+    assert transport.frame.text() == f"filled frame · {line.frames}"
+    for unit, text in (("seconds", "1.7667"), ("timecode", "1:46")):
+        trigger(window, f"unit_{unit}")
+        line.go_to_frame(0)
+        QTest.keyClick(window, Qt.Key.Key_G)
+        transport.entry.setText(text)
+        QTest.keyClick(transport.entry, Qt.Key.Key_Return)
+        assert line.filled == 106 - LOST.start, unit
+    trigger(window, "unit_frames")
+    QTest.keyClick(window, Qt.Key.Key_G)
+    assert transport.entry.text() == "", "it has no number"
+    QTest.keyClick(transport.entry, Qt.Key.Key_Escape)
+
+
+def test_a_drag_within_a_filled_gap_edits_the_frame_under_it(window: MainWindow) -> None:
+    editor, session, line = editor_of(window), session_of(window), window.timeline
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
+    line.show_range(1.4, 2.2)
+    line.go_to_time(103 / 60)
+    assert line.filled_frames is not None
+    before, stop = line.filled_frames.controls, line.stop
+    plot = editor.curves.plots[OPENING]
+    held = place(plot, 106 / 60, plot.height() / 2)
+    drag(plot, held, held - QPoint(0, 20), release=False)
+    assert line.filled == 106 - LOST.start
+    QTest.keyClick(plot, Qt.Key.Key_Escape)
+    assert line.stop == stop
+    let_go(plot, held)
+    drag(plot, held, held - QPoint(0, 20))
+    edit = session.edits[-1]
+    assert edit.start == edit.end == line.filled_frames.times[106 - LOST.start]
+    moved = (line.filled_frames.controls - before)[:, OPENING]
+    assert moved.argmax() == 106 - LOST.start
+    assert moved.max() == pytest.approx(edit.value, abs=0.1)
+
+
+def test_a_gap_can_be_selected_and_filled_in_parts(window: MainWindow) -> None:
+    """Its rows are there, without a face: an end of a selection may lie at each of them."""
+    editor, session, line = editor_of(window), session_of(window), window.timeline
+    line.show_range(1.4, 2.2)
+    bar, ruler = editor.curves.range_bar, editor.curves.ruler
+    found = np.zeros(len(LOST), bool)
+    for strip, keys, first, last in ((bar, NONE, 100, 105), (ruler, SHIFT, 106, 111)):
+        line.select(None)
+        drag(strip, place(strip, first / 60, 8.0), place(strip, last / 60, 8.0), keys)
+        assert line.selection == pytest.approx((first / 60, last / 60), abs=1e-3)
+        trigger_enabled(window, "fill")
+        assert "6 rows without a face get one" in editor.proposal.text.text()
+        trigger_enabled(window, "accept_fix")
+        found[first - LOST.start : last + 1 - LOST.start] = True
+        rows = session.filled_rows()
+        assert rows is not None
+        assert np.array_equal(np.isfinite(rows).all(axis=1), found)
 
 
 def test_other_edits_and_the_tracked_face_are_shown_in_a_gap_too(window: MainWindow) -> None:

@@ -114,8 +114,9 @@ class ChannelPlot(pg.PlotItem, Mouse):
     # --- mouse -------------------------------------------------------------------------------
 
     def _seconds(self, pointer: Pointer) -> float:
+        """Where a selection begins or ends at the pointer."""
         scale = self.view.scale_now
-        return self._timeline.snap(scale.time_at(clamped(pointer.x, (0.0, scale.width))))
+        return self._timeline.snap_edge(scale.time_at(clamped(pointer.x, (0.0, scale.width))))
 
     def pressed(self, pointer: Pointer) -> None:
         """Begin to draw or to select."""

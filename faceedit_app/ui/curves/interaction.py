@@ -26,6 +26,7 @@ from faceedit_app.ui.curves.plot import CurvePlot
 from faceedit_app.ui.curves.retime_drag import held_retime
 from faceedit_app.ui.curves.selection_mouse import SelectionMouse
 from faceedit_app.ui.curves.tools import Gesture, Press, begin, move
+from faceedit_app.ui.state.gap_frames import edited_at, values_at
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tool, Tools
 
@@ -78,7 +79,7 @@ class Interaction(QObject):
         self._change: ChosenChange | None = None  # if the drag changes the chosen edit
         self._clicks = False  # a click is moving the playhead
         self._x = 0.0  # pixels of the pointer, in its plot
-        self._came_from = 0  # playhead's frame before the drag
+        self._came_from = 0.0  # seconds of the playhead before the drag
         self._shown = 0.0  # seconds to which the drag moved the playhead
         self._last_preview = 0.0
         self._timer = QTimer(self)
@@ -210,7 +211,7 @@ class Interaction(QObject):
         self._edges.cancel()
         if drag is not None and drag.moving and self.session is not None:
             self.session.cancel()
-            self._timeline.go_to_frame(self._came_from, turns_page=False)
+            self._timeline.point_at(self._came_from)
         self.changed.emit()
 
     # --- the edit --------------------------------------------------------------------------
@@ -241,7 +242,8 @@ class Interaction(QObject):
         """What a gesture needs to know about the curve at a time."""
         session, control = self.session, plot.control.id
         assert session is not None
-        frame, column = session.take.clip.frame_at(time), CONTROL_INDEX[control]
+        line, column = self._timeline, CONTROL_INDEX[control]
+        stop = line.stop_at(time)
         return Press(
             control,
             self.edited_from(control, one_side),
@@ -249,8 +251,8 @@ class Interaction(QObject):
             time,
             plot.current_scale,
             self._edges.span_at(time, slack),
-            float(session.asked[frame, column]),
-            float(session.tracked[frame, column]),
+            float(edited_at(session, line, stop)[0][column]),
+            float(values_at(session.tracked, line, stop)[column]),
             session.limits[column],
             session.take.clip,
             held_retime(self.chosen_edit(), time, slack),
@@ -341,7 +343,7 @@ class Interaction(QObject):
     def _show_edited_frame(self) -> None:
         """Make the viewport show the frame being changed."""
         assert self.drag is not None
-        self._came_from = self._timeline.frame
+        self._came_from = self._timeline.time
         self._shown = self.drag.time
         self._timeline.point_at(self._shown)
 

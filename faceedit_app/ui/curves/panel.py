@@ -32,6 +32,7 @@ from faceedit_app.ui.curves.shown import ShownCurves
 from faceedit_app.ui.curves.tools import ScaleDrag
 from faceedit_app.ui.curves.value_axes import ValueAxes
 from faceedit_app.ui.curves.visible_curves import Lines, VisibleCurves
+from faceedit_app.ui.state.gap_frames import edited_at
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.tools import Tools
 
@@ -390,9 +391,9 @@ class CurvesPanel(QWidget):
         """Keep a moved curve in sight; under a painting tool, the axis never changes."""
         drag = self._mouse.drag
         if isinstance(drag, CurveDrag | ScaleDrag):
-            frame = session.take.clip.frame_at(drag.time)
-            asked, face = session.asked[frame].tolist(), session.achieved[frame].tolist()
-            self._axes.follow(zip(asked, face, strict=True), self._mouse.plot)
+            stop = self.timeline.stop_at(drag.time)
+            both = (mm.tolist() for mm in edited_at(session, self.timeline, stop))
+            self._axes.follow(zip(*both, strict=True), self._mouse.plot)
 
     def _show_state(self) -> None:
         if self.session is not None:

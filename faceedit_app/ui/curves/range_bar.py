@@ -161,14 +161,14 @@ class RangeBar(pg.GraphicsView, Mouse):
             self._edges.grab(part, seconds)
         else:
             self._before = self._timeline.selection
-            self._selecting = RulerDrag(self._timeline.snap(seconds), selecting=True)
+            self._selecting = RulerDrag(self._timeline.snap_edge(seconds), selecting=True)
 
     def dragged(self, pointer: Pointer) -> None:
         """Continue the gesture."""
         scale = self.current_scale
         if self._selecting is not None:
             seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
-            self._timeline.select(self._selecting.selection(self._timeline.snap(seconds)))
+            self._timeline.select(self._selecting.selection(self._timeline.snap_edge(seconds)))
         elif self._edges.is_dragging:
             self._edges.move(scale, pointer)
 

@@ -98,11 +98,10 @@ class Readout:
         time, drag = self._mouse.hover_time, self._mouse.drag
         if time is None:
             return None
-        frame = session.take.clip.frame_at(time)
-        asked = float(session.asked[frame, control])
+        line = self._timeline
+        asked, face = (float(mm[control]) for mm in edited_at(session, line, line.stop_at(time)))
         if drag is None or not drag.moving:
             return Handle(time, asked, held=drag is not None)
-        face = float(session.achieved[frame, control])
         words = self._amount(drag), f"asked {one_decimal(asked)} · face {one_decimal(face)}"
         return Handle(time, asked, True, words)
 

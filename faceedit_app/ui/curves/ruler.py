@@ -118,8 +118,8 @@ class Ruler(pg.GraphicsView, Mouse):
 
     def pressed(self, pointer: Pointer) -> None:
         """Scrub, or select."""
-        seconds = self._timeline.snap(self.current_scale.time_at(pointer.x))
-        self._drag = RulerDrag(seconds, selecting=pointer.fine)
+        seconds = self.current_scale.time_at(pointer.x)
+        self._drag = RulerDrag(self._timeline.snap_edge(seconds), selecting=pointer.fine)
         if not pointer.fine:
             self._timeline.point_at(seconds)
 
@@ -129,9 +129,9 @@ class Ruler(pg.GraphicsView, Mouse):
             return
         # Clamped to the view, so that scrubbing does not turn pages.
         scale = self.current_scale
-        seconds = self._timeline.snap(scale.time_at(clamped(pointer.x, (0.0, scale.width))))
+        seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
         if self._drag.selecting:
-            self._timeline.select(self._drag.selection(seconds))
+            self._timeline.select(self._drag.selection(self._timeline.snap_edge(seconds)))
         else:
             self._timeline.point_at(seconds)
 

@@ -117,7 +117,7 @@ class SelectionMouse(QObject):
         if self._drag is None:
             return
         seconds = scale.time_at(clamped(pointer.x, (0.0, scale.width)))
-        frame = self._timeline.snap(seconds) if pointer.snap else None
+        frame = self._timeline.snap_edge(seconds) if pointer.snap else None
         self._drag = self._drag.moved(seconds, pointer.fine, frame)
         self._show(self._softened(self._drag.before, self._drag.span))
 

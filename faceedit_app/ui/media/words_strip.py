@@ -96,7 +96,8 @@ class WordsStrip(pg.GraphicsView, Mouse):
     def select(self, word: Word) -> None:
         """Select a word's time and go there."""
         self._timeline.go_to_time(word.start)
-        self._timeline.select((self._timeline.snap(word.start), self._timeline.snap(word.end)))
+        line = self._timeline
+        line.select((line.snap_edge(word.start), line.snap_edge(word.end)))
 
     def find(self, text: str) -> bool:
         """Select the next word after the playhead that begins with a text; False if none does.
@@ -109,7 +110,7 @@ class WordsStrip(pg.GraphicsView, Mouse):
         found = [word for word in words.words if word.text.casefold().startswith(wanted)]
         selection = self._timeline.selection
         now = selection[0] if selection is not None else self._timeline.time - 1e-3
-        later = [word for word in found if self._timeline.snap(word.start) > now + 1e-6]
+        later = [word for word in found if self._timeline.snap_edge(word.start) > now + 1e-6]
         if found:
             self.select((later or found)[0])
         return bool(found)

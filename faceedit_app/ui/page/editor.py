@@ -280,7 +280,7 @@ class Editor(QWidget):
         assert session is not None
         clip = session.take.clip
         self.hints.finish()
-        self._timeline.open(clip)
+        self._timeline.open(clip, session.take.lost_rows)
         self.gap_frames.refresh()
         if session.take.path != self._take:  # not the same one at another frame rate
             self._restore_settings()

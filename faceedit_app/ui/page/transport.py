@@ -17,7 +17,7 @@ from faceedit_app.ui.state.actions import TIP, Actions
 from faceedit_app.ui.state.playback import SPEEDS, Playback
 from faceedit_app.ui.state.time_display import Unit, times
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.typed_time import typed_frame
+from faceedit_app.ui.state.typed_time import typed_moment
 
 _UNITS = (Unit.TIMECODE, Unit.SECONDS, Unit.FRAMES)
 
@@ -82,10 +82,14 @@ class Transport(QWidget):
         self._clip = clip
         self.speed.setEnabled(clip is not None)
         if clip is not None:
-            # Wide enough for the last frame, so that nothing moves during playback.
-            for label, text in zip(self._labels, times(clip, len(clip) - 1), strict=True):
+            # Wide enough for the last frame and for filled ones: nothing moves during playback.
+            shown = [times(clip, len(clip) - 1)]
+            if clip.gaps:
+                shown.append(times(clip, len(clip) - 1, clip.duration))
+            for label, *texts in zip(self._labels, *shown, strict=True):
                 label.ensurePolished()
-                label.setMinimumWidth(label.fontMetrics().horizontalAdvance(text) + GAP)
+                wide = max(map(label.fontMetrics().horizontalAdvance, texts))
+                label.setMinimumWidth(wide + GAP)
             self.clock.setVisible(bool(clip.timecodes))
         self._show_time()
         self._show_unit()
@@ -106,10 +110,12 @@ class Transport(QWidget):
             return
 
         def go(text: str) -> None:
-            self._timeline.go_to_frame(typed_frame(clip, text, unit, self._timeline.frame))
+            self._timeline.go_to_time(typed_moment(clip, text, unit, self._timeline.frame))
 
         label = self._labels[_UNITS.index(unit)]
         text = label.text().partition("/")[0].removeprefix("frame").strip()
+        if self._timeline.filled is not None and unit is not Unit.SECONDS:
+            text = ""  # it has no other time
         self.entry.begin(label, text, f"Go to a time, in {unit}", go)
 
     def _show_unit(self) -> None:

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.ui.state.document import Document
-from faceedit_app.ui.state.timeline import Timeline
+from faceedit_app.ui.state.timeline import Stop, Timeline
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.session import EditSession
@@ -79,23 +79,35 @@ def weights_at(session: EditSession, line: Timeline) -> Floats:
     if line.filled is not None and line.filled_frames is not None:
         filled: Floats = line.filled_frames.weights[line.filled]
         return filled
-    weights: Floats = session.weights[_frame(session.weights, line)]
+    weights: Floats = session.weights[_clamped(line.frame, session.weights)]
     return weights
 
 
-def edited_at(session: EditSession, line: Timeline) -> tuple[Floats, Floats]:
-    """(C,) mm each: what the edits ask for at the playhead, and the face. A fill asks for both."""
-    if line.filled is not None and line.filled_frames is not None:
-        return (line.filled_frames.controls[line.filled],) * 2
-    frame = _frame(session.achieved, line)
+def edited_at(
+    session: EditSession, line: Timeline, stop: Stop | None = None
+) -> tuple[Floats, Floats]:
+    """(C,) mm each: what the edits ask for, and the face. A fill asks for both.
+
+    Args:
+        stop: where; None = at the playhead.
+    """
+    frame, filled = stop or line.stop
+    if filled is not None and line.filled_frames is not None:
+        return (line.filled_frames.controls[filled],) * 2
+    frame = _clamped(frame, session.achieved)
     return session.asked[frame], session.achieved[frame]
 
 
-def values_at(values: Floats, line: Timeline) -> Floats:
-    """(K,) of values (T, K) at the playhead; in a gap, between those of the frames around it."""
-    if line.filled is not None and line.filled_frames is not None:
-        return line.filled_frames.between(values, line.filled)
-    row: Floats = values[_frame(values, line)]
+def values_at(values: Floats, line: Timeline, stop: Stop | None = None) -> Floats:
+    """(K,) of values (T, K); in a gap, between those of the frames around it.
+
+    Args:
+        stop: where; None = at the playhead.
+    """
+    frame, filled = stop or line.stop
+    if filled is not None and line.filled_frames is not None:
+        return line.filled_frames.between(values, filled)
+    row: Floats = values[_clamped(frame, values)]
     return row
 
 
@@ -123,6 +135,6 @@ def through_gaps(
     )
 
 
-def _frame(values: Floats, line: Timeline) -> int:
-    """The frame at the playhead: while a take opens, it may be that of the last one."""
-    return min(max(line.frame, 0), len(values) - 1)
+def _clamped(frame: int, values: Floats) -> int:
+    """A frame of the values (T, K): while a take opens, that on screen may be of the last one."""
+    return min(max(frame, 0), len(values) - 1)

@@ -64,7 +64,7 @@ class Playback(QObject):
         self._speed = 1.0
         self._shuttle = 1.0  # factor on the speed; below 0, backwards
         self._around: tuple[float, float] | None = None  # range of Play around, in seconds
-        self._came_from = 0  # the frame to go back to after that
+        self._came_from = 0.0  # seconds to go back to after that
         self._loop = False
         # Seconds of playhead and clock at the last sync.
         self._anchor = (0.0, 0.0)
@@ -122,7 +122,7 @@ class Playback(QObject):
         first, last = self._range()
         now = self._timeline.time
         outside = self._loop and not first <= now < last
-        if outside or self._timeline.frame == self._timeline.frames - 1:
+        if outside or now >= self._timeline.snap(self._timeline.duration):
             self._go_to(first)
         self._timer.start()
         self.resync()
@@ -134,10 +134,10 @@ class Playback(QObject):
             return
         faster = self.playing and self._shuttle * direction > 0
         if not self.playing:
-            frame = self._timeline.frame
+            now = self._timeline.time
             self.play()  # at the last frame it would start over
             if direction < 0:
-                self._timeline.go_to_frame(frame)
+                self._timeline.go_to_time(now)
         self._around = None
         self._shuttle = min(2 * abs(self._shuttle), FASTEST) * direction if faster else direction
         self.resync()
@@ -148,7 +148,7 @@ class Playback(QObject):
         if line.frames < 2:
             return
         self.pause()
-        came_from = line.frame
+        came_from = line.time
         first, last = line.selection or (line.time - RUN_UP, line.time + RUN_UP)
         if line.selection is not None:
             first, last = first - RUN_UP, last + RUN_UP
@@ -192,7 +192,7 @@ class Playback(QObject):
             self._go_to(now)
         elif self._around is not None:
             self.pause()
-            self._timeline.go_to_frame(self._came_from)
+            self._timeline.go_to_time(self._came_from)
         elif self._loop:
             # A late tick keeps the loop's rhythm; the sound repeats by itself.
             now = first + (now - last) % max(last - first, 1e-6)

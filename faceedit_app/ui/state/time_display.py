@@ -96,11 +96,11 @@ def times(clip: Clip, frame: int, filled: float | None = None) -> tuple[str, str
     """A frame's time in three units: timecode, seconds, and frame number from 1.
 
     Args:
-        filled: seconds of a filled frame after it; it has neither timecode nor number.
+        filled: seconds of a filled frame beside it, which has neither timecode nor number.
     """
     seconds = format_time(float(clip.times[frame]) if filled is None else filled)
-    code = whole_timecode(clip.timecodes[frame]) if clip.timecodes else seconds
-    number = f"{frame + 1}"
+    within = f"{seconds} / {format_time(clip.duration)}"
     if filled is not None:
-        code, number = seconds, "filled"
-    return code, f"{seconds} / {format_time(clip.duration)}", f"frame {number} / {len(clip)}"
+        return "–", within, f"filled frame · {len(clip)}"
+    code = whole_timecode(clip.timecodes[frame]) if clip.timecodes else seconds
+    return code, within, f"frame {frame + 1} / {len(clip)}"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.arrays import Times
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.clip import Clip, nearest
+from faceedit_app.formats.take import LostRows
 from faceedit_app.ui.state.time_display import TimeDisplay
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -18,6 +19,18 @@ NO_TIMES: Times = np.empty(0)
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
 FALLOFF_RANGE = (0.0, 5.0)
+
+
+class Stop(NamedTuple):
+    """A frame at which the playhead can stand.
+
+    Attributes:
+        frame: of the clip; the nearest one if it is a filled frame.
+        filled: which of the filled frames it is; None if it is a frame of the clip.
+    """
+
+    frame: int
+    filled: int | None = None
 
 
 class Timeline(QObject):
@@ -49,6 +62,7 @@ class Timeline(QObject):
         self.frame = 0
         self.filled: int | None = None
         self.filled_frames: FilledFrames | None = None
+        self._edges = NO_TIMES  # (N,) seconds at which an end of a selection can lie
         self.view = (0.0, 1.0)
         self.selection: tuple[float, float] | None = None
         self.falloff = self.falloff_out = DEFAULT_FALLOFF
@@ -78,14 +92,29 @@ class Timeline(QObject):
     @property
     def time(self) -> float:
         """Seconds of the frame on screen, which may be a filled one."""
-        if self.filled is not None:
-            return float(self._filled[self.filled])
-        return float(self._clip.times[self.frame]) if self._clip is not None else 0.0
+        return self._time_of(self.stop)
 
-    def open(self, clip: Clip) -> None:
-        """Open another clip, at its start, all of it visible, nothing selected."""
+    @property
+    def stop(self) -> Stop:
+        """Where the playhead stands."""
+        return Stop(self.frame, self.filled)
+
+    def _time_of(self, stop: Stop) -> float:
+        if stop.filled is not None:
+            return float(self._filled[stop.filled])
+        return float(self._clip.times[stop.frame]) if self._clip is not None else 0.0
+
+    def open(self, clip: Clip, lost: LostRows | None = None) -> None:
+        """Open another clip, at its start, all of it visible, nothing selected.
+
+        Args:
+            lost: the rows in its gaps to which a fill can give a face.
+        """
         self._clip, self.frame = clip, 0
         self.filled_frames = self.filled = None
+        self._edges = clip.times
+        if lost is not None:
+            self._edges = np.sort(np.concatenate([clip.times, lost.times(clip)]))
         self.display.follow(clip)
         self.leave_edit()
         self.select(None)
@@ -97,27 +126,31 @@ class Timeline(QObject):
         """Move the playhead to a frame; the view follows to keep it visible if it `turns_page`."""
         if self._clip is None:
             return
-        self._go_to(min(max(frame, 0), self.frames - 1), None, turns_page)
+        self._go_to(Stop(min(max(frame, 0), self.frames - 1)), turns_page)
 
-    def _go_to(self, frame: int, filled: int | None, turns_page: bool) -> None:
-        if (frame, filled) == (self.frame, self.filled):
+    def _go_to(self, stop: Stop, turns_page: bool) -> None:
+        if stop == self.stop:
             return
-        self.frame, self.filled = frame, filled
+        self.frame, self.filled = stop
         if turns_page:
             self._keep_in_view(self.time)
-        self.playhead_moved.emit(frame)
+        self.playhead_moved.emit(self.frame)
 
     def go_to_time(self, seconds: float, turns_page: bool = True) -> None:
         """Move the playhead to the nearest frame, also a filled one; see `go_to_frame`."""
+        if self._clip is not None:
+            self._go_to(self.stop_at(seconds), turns_page)
+
+    def stop_at(self, seconds: float) -> Stop:
+        """The frame nearest to a time, also a filled one."""
         if self._clip is None:
-            return
-        frame, filled = self._clip.frame_at(seconds), None
-        if len(self._filled):
-            apart = np.abs(self._filled - seconds)
-            nearest = int(apart.argmin())
-            if apart[nearest] < abs(self._clip.times[frame] - seconds):
-                filled = nearest
-        self._go_to(frame, filled, turns_page)
+            return Stop(0)
+        frame, times = self._clip.frame_at(seconds), self._filled
+        if not len(times):
+            return Stop(frame)
+        filled = nearest(times, seconds)
+        is_nearer = abs(times[filled] - seconds) < abs(self._clip.times[frame] - seconds)
+        return Stop(frame, filled if is_nearer else None)
 
     def step(self, frames: int) -> None:
         """Move the playhead by frames, also filled ones."""
@@ -150,10 +183,16 @@ class Timeline(QObject):
         self.go_to_time(seconds, turns_page=False)
 
     def snap(self, seconds: float) -> float:
-        """The time of the frame nearest to `seconds`."""
-        if self._clip is None:
-            return seconds
-        return float(self._clip.times[self._clip.frame_at(seconds)])
+        """The time of the frame nearest to `seconds`, also of a filled one; see `stop_at`."""
+        return self._time_of(self.stop_at(seconds)) if self._clip is not None else seconds
+
+    def snap_edge(self, seconds: float) -> float:
+        """The nearest time at which an end of a selection can lie.
+
+        In a gap, these are the times of its rows, filled or not, so that a part of it can be
+        filled.
+        """
+        return float(self._edges[nearest(self._edges, seconds)]) if len(self._edges) else seconds
 
     def _keep_in_view(self, seconds: float) -> None:
         first, last = self.view

@@ -17,7 +17,14 @@ _FRAME = re.compile(r"(?:frame\s*)?(\d+)", re.ASCII | re.IGNORECASE)
 
 
 def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
-    """The frame that a text means, in the unit in which times are shown.
+    """The frame that a text means; see `typed_moment`."""
+    return clip.frame_at(typed_moment(clip, text, unit, now))
+
+
+def typed_moment(clip: Clip, text: str, unit: Unit, now: int) -> float:
+    """The seconds that a text means, in the unit in which times are shown.
+
+    They need not be those of a frame: in a gap, a filled one may be nearer than any of the clip.
 
     Args:
         clip: the open take.
@@ -30,7 +37,7 @@ def typed_frame(clip: Clip, text: str, unit: Unit, now: int) -> int:
     """
     text = text.partition("/")[0].strip()
     if unit is Unit.FRAMES:
-        return _by_number(clip, text)
+        return float(clip.times[_by_number(clip, text)])
     if unit is Unit.TIMECODE and clip.timecodes:
         return _by_timecode(clip, clip.timecodes, text, now)
     return _at(clip, typed_seconds(text), f"The take ends at {format_time(clip.duration)}")
@@ -86,7 +93,7 @@ def typed_seconds(text: str) -> float:
     return 3600 * hours + 60 * minutes + float(match[3].replace(",", "."))
 
 
-def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: int) -> int:
+def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: int) -> float:
     base, at = _base(timecodes), timecodes[now]
     typed, there = re.split("[:;]", text), re.split("[:;]", at)
     drop = ";" if ";" in at else ":"
@@ -97,18 +104,18 @@ def _by_timecode(clip: Clip, timecodes: tuple[str, ...], text: str, now: int) ->
     if meant is None or begins is None:
         raise ValueError(f"Type a timecode, such as {whole_timecode(at)}")
     if text in timecodes:
-        return timecodes.index(text)
+        return float(clip.times[timecodes.index(text)])
     seconds = meant - begins
     if seconds < -_DAY / 2:  # past midnight
         seconds += _DAY
     ends = f"{whole_timecode(timecodes[0])} to {whole_timecode(timecodes[-1])}"
-    frame = _at(clip, seconds, f"The take has timecodes {ends}")
+    frame = clip.frame_at(_at(clip, seconds, f"The take has timecodes {ends}"))
     # What is shown leaves out thousandths of a frame, which may be almost a whole one.
     # Where several frames share what is shown, as with more of them than the timecode counts, the
     # one at the playhead stays.
     around = now, *range(max(frame - 1, 0), min(frame + 2, len(clip)))
     same = _fields(":".join(whole))
-    return next((f for f in around if _fields(timecodes[f]) == same), frame)
+    return next((float(clip.times[f]) for f in around if _fields(timecodes[f]) == same), seconds)
 
 
 @lru_cache(maxsize=1)  # each key that is typed asks again, and an hour has 200,000 timecodes
@@ -121,9 +128,10 @@ def _fields(timecode: str) -> list[int]:
     return [int(field) for field in re.split("[:;]", whole_timecode(timecode))]
 
 
-def _at(clip: Clip, seconds: float, otherwise: str) -> int:
+def _at(clip: Clip, seconds: float, otherwise: str) -> float:
+    """The seconds, if the take has them; else a ValueError that says what it has."""
     # A timecode without its thousandths may lie before the first frame that has it.
     slack = 1.0 / clip.rate
     if not -slack <= seconds <= clip.duration + slack:
         raise ValueError(otherwise)
-    return clip.frame_at(seconds)
+    return seconds
