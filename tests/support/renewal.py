@@ -105,6 +105,7 @@ def _empty(window: MainWindow) -> None:
     workspace.unfinished.stop()
     workspace.playback.pause()
     workspace.media.clear()
+    workspace.drafts.clear()
     document.close_journal()
     document.session.previewed.disconnect(document._pass_on_preview)
     document.session.changed.disconnect(document._pass_on_change)

@@ -6,13 +6,15 @@ import threading
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QEvent, QObject
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtTest import QTest
 from support.takes import make_livelink_csv
 from support.windows import Bench, open_path, session_of, trigger
 
 from faceedit_app.core.rig import Rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.ui.commands import dialogs
+from faceedit_app.ui.media.words_dialog import WordsDialog
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state import loading
 from faceedit_app.ui.state.playback import SPEEDS
@@ -175,3 +177,26 @@ def test_if_it_cannot_be_opened_the_old_one_is_back(
     bench.qtbot.waitUntil(lambda: bool(bench.errors))
     assert window.editor.isVisible()
     assert open_path(window) == old
+
+
+def test_words_that_were_typed_and_not_timed_stay_with_their_take(
+    bench: Bench, window: MainWindow, other: Path
+) -> None:
+    def asked() -> WordsDialog:
+        trigger(window, "words")
+        return window.findChildren(WordsDialog)[-1]
+
+    dialog = asked()
+    dialog.text.setPlainText("hello")
+    QTest.keyClick(dialog.text, Qt.Key.Key_Escape)
+    open_take(bench, window, other)
+    dialog = asked()
+    assert dialog.text.toPlainText() == ""
+    dialog.reject()
+    open_take(bench, window, bench.take)
+    dialog = asked()
+    assert dialog.text.toPlainText() == "hello"
+    assert "no times" in dialog.message.text()
+    dialog.text.clear()
+    dialog.reject()
+    assert not window.workspace.drafts

@@ -229,6 +229,8 @@ class RetimeCommands:
             choose,
             None,
             make,
+            self._workspace.drafts,
+            sound.path,
         )
         dialog.setWindowTitle(f"Words of {sound.path.name}")
         dialog.open()

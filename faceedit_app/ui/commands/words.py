@@ -43,7 +43,8 @@ class WordCommands:
         from faceedit_app.ui.media.words_dialog import SearchScope, WordsDialog
 
         self._workspace.end_gestures()
-        if self._document.session is None:
+        session = self._document.session
+        if session is None:
             return
 
         def place() -> SearchScope:
@@ -66,6 +67,8 @@ class WordCommands:
             self._choose,
             self.export,
             self._set,
+            self._workspace.drafts,
+            session.take.path,
         )
         dialog.open()
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:  # the solver, and the page with pyqtgraph; the window appears
     from faceedit_app.core.rig import Rig
     from faceedit_app.editing.edits.edit import Edit
     from faceedit_app.editing.session import EditSession
+    from faceedit_app.ui.media.words_dialog import Draft
     from faceedit_app.ui.page.editor import Editor
 
 
@@ -41,6 +42,7 @@ class Workspace(QObject):
         window: the parent of dialogs.
         page: None until it is built, after the first paint.
         words_file: where the words of the open take were read, if the user has opened a file.
+        drafts: words that were typed and not yet timed, by the take or sound that they are of.
 
     Signals:
         message(str): what was done, or why nothing was, for the status bar.
@@ -70,6 +72,7 @@ class Workspace(QObject):
         self.opener = TakeOpener(self.document, self.background, self)
         self.page: Editor | None = None
         self.words_file: Path | None = None
+        self.drafts: dict[Path, Draft] = {}
         self.document.opened.connect(self._forget_words_file)
         self._wanted_character: Path | None = None  # which is being read
         self._keep_volume()

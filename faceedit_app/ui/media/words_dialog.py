@@ -59,8 +59,23 @@ class SearchScope:
     is_read: bool = True
 
 
+@dataclass(frozen=True)
+class Draft:
+    """Words that were typed and not yet timed.
+
+    Attributes:
+        text: what is said.
+        spellings: what unknown words sound like, as far as that was given.
+    """
+
+    text: str
+    spellings: dict[str, str]
+
+
 class WordsDialog(QDialog):
     """Asks for the words, and for what unknown ones sound like; then finds their times.
+
+    What is typed and not timed is there again when the words of the same file are next asked for.
 
     Args:
         place: says where to look; asked again with each search, since the sound may come later.
@@ -68,6 +83,8 @@ class WordsDialog(QDialog):
         choose: asks for a file with words.
         save: asks where to write words, and writes them; None = they cannot be written.
         make: called with the words that were found.
+        drafts: where it keeps what is typed and not timed.
+        said_in: the take or sound that the words are of.
     """
 
     def __init__(
@@ -79,10 +96,13 @@ class WordsDialog(QDialog):
         choose: Callable[[], Path | None],
         save: Callable[[], None] | None,
         make: Callable[[Transcript], None],
+        drafts: dict[Path, Draft],
+        said_in: Path,
     ) -> None:
         super().__init__(parent)
         self._background, self._find_place, self._present = background, place, present
         self._choose, self._make = choose, make
+        self._drafts, self._said_in = drafts, said_in
         self._place = place()
         self._imported: imported.Imported | None = None  # the file whose text is in the field
         self._spellings = dict(present.sounds_like) if present is not None else {}
@@ -93,8 +113,15 @@ class WordsDialog(QDialog):
         self._lay_out(save)
         if present is not None:
             self.text.setPlainText(present.text)
+        self._restore(drafts.get(said_in))
         self.text.textChanged.connect(self._edited)
         self._show_state()
+
+    def _restore(self, draft: Draft | None) -> None:
+        if draft is not None:
+            self.text.setPlainText(draft.text)
+            self._spellings |= draft.spellings
+            self.message.setText("You typed this before; no times have been found for it yet.")
 
     def _lay_out(self, save: Callable[[], None] | None) -> None:
         self.heading = QLabel(self._heading())
@@ -304,6 +331,16 @@ class WordsDialog(QDialog):
             self._stop()
         else:
             super().reject()
+
+    def done(self, result: int) -> None:
+        """Keep what was typed, unless its times were found or a file holds it."""
+        text = self.text.toPlainText()
+        is_known = not text.strip() or self._imported is not None
+        is_known |= self._present is not None and text == self._present.text
+        self._drafts.pop(self._said_in, None)
+        if result == QDialog.DialogCode.Rejected and not is_known:
+            self._drafts[self._said_in] = Draft(text, dict(self._spellings))
+        super().done(result)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Stop the search; its result is then ignored."""
