@@ -166,18 +166,42 @@ def keep_backup(path: Path | str) -> Path:
         FileError: the copy cannot be written; `path` must then not be replaced.
     """
     path = Path(os.path.realpath(path))
+    backup = backup_of(path)
+    try:
+        if not backup.exists():
+            _copy(path, backup)
+    except OSError as error:
+        raise _not_kept(backup, error) from error
+    return backup
+
+
+def backup_of(path: Path | str) -> Path:
+    """The copy that `keep_backup` makes of a file, or has made of the same content.
+
+    Raises:
+        FileError: an earlier copy, or the file, cannot be read.
+    """
+    path = Path(os.path.realpath(path))
     for number in itertools.count(1):
         backup = path.with_name(f"{path.name}{BACKUP_SUFFIX}{number if number > 1 else ''}")
         try:
-            if not backup.exists():
-                _copy(path, backup)
-                return backup
-            if filecmp.cmp(path, backup, shallow=False):
+            if not backup.exists() or filecmp.cmp(path, backup, shallow=False):
                 return backup
         except OSError as error:
-            reason = reason_of(error)
-            raise FileError(backup, f"cannot be written ({reason})", OTHER_NAME) from error
+            raise _not_kept(backup, error) from error
     raise AssertionError("unreachable")
+
+
+def where_kept(path: Path | str) -> str:
+    """What a question says of the copy that `keep_backup` makes, after “is kept”."""
+    try:
+        return f"as {backup_of(path).name}"
+    except FileError:
+        return "beside it"
+
+
+def _not_kept(backup: Path, error: OSError) -> FileError:
+    return FileError(backup, f"cannot be written ({reason_of(error)})", OTHER_NAME)
 
 
 def keep_other(path: Path | str, is_ours: Callable[[Path], bool]) -> Path | None:

@@ -129,7 +129,7 @@ DIALOGS: dict[str, Open] = {
     "ask_preset_name": _asked("ask_preset_name"),
     "ask_unsaved": _asked("ask_unsaved", "Your edits to take.csv are not saved", "They are lost"),
     "ask_unsaved_map": _asked("ask_unsaved_map", "head.glb"),
-    "ask_changed": _asked("ask_changed", "take.csv"),
+    "ask_changed": _asked("ask_changed", Path("take.csv")),
     "show_error": _asked("show_error", "take.csv: is empty; choose another"),
     "SliderDialog": _chosen("expression"),
     "LevelsDialog": _chosen("levels"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,9 @@ from PySide6.QtWidgets import (
 )
 from pytestqt.qtbot import QtBot
 
+from faceedit_app.core.atomic import keep_backup
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.files.fingerprint import KnownFile
 from faceedit_app.editing.files.pending import Pending
 from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
@@ -190,7 +193,7 @@ def test_recovery_counts_edits_however_many_gestures_made_them(
 
     def read(dialog: QDialog) -> None:
         assert isinstance(dialog, QMessageBox)
-        said.append(dialog.informativeText())
+        said.extend((dialog.text(), dialog.informativeText()))
         dialog.reject()
 
     made = Edit(("mouth_opening",), Op.OFFSET, 1.0, 1.4, 0.2, 6.0)
@@ -198,7 +201,32 @@ def test_recovery_counts_edits_however_many_gestures_made_them(
     when_asked(read)
     pending = Pending(tmp_path / "journal", take, None, None, state, 31, 0.0)
     assert dialogs.ask_recover(parent, pending) is dialogs.Recover.LATER
-    assert words in said[0]
+    assert words in said[1]
+    assert said[0].endswith("editing take.csv.")
+    project = KnownFile(tmp_path / "scene.faceedit", None)
+    when_asked(read)
+    dialogs.ask_recover(parent, replace(pending, project=project))
+    assert said[2].endswith("editing take.csv in scene.faceedit.")
+
+
+def test_a_question_names_the_copy_that_will_be_made(parent: QWidget, tmp_path: Path) -> None:
+    said: list[str] = []
+
+    def read(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        said.append(dialog.informativeText())
+        dialog.reject()
+
+    path = tmp_path / "scene.faceedit"
+    path.write_bytes(b"now")
+    for before, name in ((b"", ".bak"), (b"now", ".bak"), (b"then", ".bak2")):
+        if before:
+            path.with_name("scene.faceedit.bak").write_bytes(before)
+        when_asked(read)
+        assert dialogs.ask_changed(parent, path) is dialogs.Changed.CANCEL
+        assert said[-1].endswith(f" kept as scene.faceedit{name}.")
+        assert keep_backup(path).name == f"scene.faceedit{name}"
+        path.with_name("scene.faceedit.bak").unlink()
 
 
 @pytest.mark.parametrize(

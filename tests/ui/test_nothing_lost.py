@@ -200,8 +200,8 @@ def test_a_project_that_another_window_saved_is_not_replaced_silently(
 ) -> None:
     asked: list[str] = []
 
-    def ask(_parent: object, name: str) -> Changed:
-        asked.append(name)
+    def ask(_parent: object, changed: Path) -> Changed:
+        asked.append(changed.name)
         return answer
 
     monkeypatch.setattr(dialogs, "ask_changed", ask)
@@ -372,8 +372,8 @@ def test_the_project_of_another_window_is_asked_about_after(
     """What brings the take back into the window still knows how the project was read."""
     asked: list[str] = []
 
-    def ask(_parent: object, name: str) -> Changed:
-        asked.append(name)
+    def ask(_parent: object, changed: Path) -> Changed:
+        asked.append(changed.name)
         return Changed.CANCEL
 
     monkeypatch.setattr(dialogs, "ask_changed", ask)

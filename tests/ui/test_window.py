@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint
@@ -253,7 +255,11 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
         Placement(sound, sound): "Your sound and film of take.csv are not saved in a project.",
     }.items():
         session.place(media)
-        assert question_about(document)[0] == said
+        message, more = question_about(document)
+        assert message == said
+        assert re.search(
+            "FaceEdit forgets which files? (it is|they are); the files? stays?.$", more
+        )
         session.place(Placement())
         assert document.is_clean, "it was added and removed"
         session.travel(-2)
@@ -262,17 +268,25 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
     removed = "You removed the sound of take.csv; that is not saved in a project."
     assert question_about(document) == (removed, "If you discard that, it comes back.")
     session.undo()
+    session.place(Placement())
+    removed = "You removed the sound and film of take.csv; that is not saved in a project."
+    assert question_about(document) == (removed, "If you discard that, they come back.")
+    session.undo()
     session.say(Transcript((Word("blue", 0.1, 0.4),)), Placement(sound, sound))
     assert question_about(document)[0] == "Your words of take.csv are not saved in a project."
     add_edit(window)
     session.place(Placement())
-    assert question_about(document)[0].startswith("Your edits, removed sound, removed film and")
+    message, more = question_about(document)
+    assert message.startswith("Your edits, removed sound, removed film and")
+    assert more == "If you discard them, they are lost.", "no file is"
     session.travel(-3)
     session.beside = beside
     session.say(Transcript((Word("blue", 0.1, 0.4),)))
     session.place(Placement(sound))
     add_edit(window)
-    assert question_about(document)[0].startswith("Your edits, sound and words of take.csv")
+    message, more = question_about(document)
+    assert message.startswith("Your edits, sound and words of take.csv")
+    assert more == "If you discard them, they are lost; the sound file stays."
     for _ in range(3):
         trigger(window, "undo")
     add_edit(window)

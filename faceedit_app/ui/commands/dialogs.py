@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from faceedit_app.core.atomic import where_kept
 from faceedit_app.core.errors import FaceEditError
 from faceedit_app.ui.commands import file_kinds
 from faceedit_app.ui.commands.file_dialogs import open_name, save_name
@@ -172,7 +173,7 @@ def ask_overwrite(parent: QWidget, path: Path, reason: str) -> Changed:
     box = _question(
         parent,
         f"{path.name} {reason}.",
-        f"If you overwrite it, the recording is kept as {path.name}.bak.",
+        f"If you overwrite it, the recording is kept {where_kept(path)}.",
     )
     other = box.addButton("&Choose another name…", QMessageBox.ButtonRole.AcceptRole)
     overwrite = box.addButton("&Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
@@ -209,9 +210,10 @@ def ask_take_of_project(
 def ask_recover(parent: QWidget, pending: Pending) -> Recover:
     """What to do with the edits of a session that ended in a crash."""
     when = QDateTime.fromSecsSinceEpoch(int(pending.when)).toString("yyyy-MM-dd HH:mm")
+    project = f" in {pending.project.path.name}" if pending.project is not None else ""
     box = _question(
         parent,
-        f"FaceEdit closed unexpectedly while you were editing {pending.take.name}.",
+        f"FaceEdit closed unexpectedly while you were editing {pending.take.name}{project}.",
         f"Your work until {when} can be recovered{pending.counted_edits}. "
         "A single Undo then takes it all back.",
     )
@@ -335,10 +337,10 @@ def ask_unsaved_map(parent: QWidget, name: str) -> Unsaved:
     return _choice(box, choices, Unsaved.CANCEL)
 
 
-def ask_changed(parent: QWidget, name: str) -> Changed:
+def ask_changed(parent: QWidget, path: Path) -> Changed:
     """What to do if another program, or window, has changed a file since it was read."""
-    message = f"{name} has been changed by another program, or in another window."
-    box = _question(parent, message, f"If you replace it, a copy of it is kept as {name}.bak.")
+    message = f"{path.name} has been changed by another program, or in another window."
+    box = _question(parent, message, f"If you replace it, a copy of it is kept {where_kept(path)}.")
     role = QMessageBox.ButtonRole
     choices = {
         box.addButton("&Save under another name…", role.AcceptRole): Changed.ELSEWHERE,

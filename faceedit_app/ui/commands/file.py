@@ -193,7 +193,7 @@ class FileCommands:
         from faceedit_app.ui.commands import projects
 
         if self._document.was_changed(path):
-            match dialogs.ask_changed(self._window, path.name):
+            match dialogs.ask_changed(self._window, path):
                 case dialogs.Changed.ELSEWHERE:
                     return self._save_as(left)
                 case dialogs.Changed.CANCEL:

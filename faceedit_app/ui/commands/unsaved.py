@@ -62,12 +62,21 @@ def _in_no_project(name: str, parts: Sequence[str], placed: Placement) -> tuple[
     """
     gone = {part for part, file in ((SOUND, placed.sound), (FILM, placed.film)) if file is None}
     one = parts[0] if len(parts) == 1 else ""
-    if one in gone:
-        message = f"You removed the {one} of {name}; that is not saved in a project."
-        return message, "If you discard that, it comes back."
-    if one in (SOUND, FILM):
+    files = [part for part in parts if part in (SOUND, FILM) and part not in gone]
+    if gone.issuperset(parts):
+        message = f"You removed the {listed(parts)} of {name}; that is not saved in a project."
+        return message, f"If you discard that, {'it comes' if one else 'they come'} back."
+    if one in files:
         message = f"The {one} of {name} is not saved in a project."
-        return message, "If you discard it, it is lost."
+        return message, "If you discard it, FaceEdit forgets which file it is; the file stays."
     named = listed(f"removed {part}" if part in gone else part for part in parts)
     what = "edits to" if one == EDITS else f"{named} of"
-    return f"Your {what} {name} are not saved in a project.", "If you discard them, they are lost."
+    message = f"Your {what} {name} are not saved in a project."
+    if len(files) == len(parts):
+        more = "If you discard them, FaceEdit forgets which files they are; the files stay."
+    elif files:
+        stay = "file stays" if len(files) == 1 else "files stay"
+        more = f"If you discard them, they are lost; the {listed(files)} {stay}."
+    else:
+        more = "If you discard them, they are lost."
+    return message, more
