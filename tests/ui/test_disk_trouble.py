@@ -35,16 +35,20 @@ def mounted(folder: Path) -> bool:
 
 
 @pytest.fixture
-def drive(tmp_path: Path) -> Iterator[Path]:
-    """A folder on a drive that trouble can come to."""
-    folder = tmp_path / "drive"
-    folder.mkdir()
-    is_mount = mounted(folder)
-    yield folder
-    if is_mount and folder.is_mount():
-        subprocess.run(["umount", "-l", str(folder)], check=True)
-    elif folder.exists():
-        folder.chmod(0o755)
+def drive() -> Iterator[Path]:
+    """A folder on a drive that trouble can come to.
+
+    It is not in pytest's own: what a test that was killed leaves mounted there ends later runs.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / "drive"
+        folder.mkdir()
+        is_mount = mounted(folder)
+        yield folder
+        if is_mount and folder.is_mount():
+            subprocess.run(["umount", "-l", str(folder)], check=True)
+        elif folder.exists():
+            folder.chmod(0o755)
 
 
 def refuse(monkeypatch: pytest.MonkeyPatch, drive: Path, code: int) -> None:
