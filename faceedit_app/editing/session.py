@@ -73,7 +73,7 @@ class EditSession(EditHistory):
         self.exported_over: Fingerprint | None = None
         self.shown_rig = rig
         self._solver = Solver(take.clip, rig, engine)
-        self._filled = FilledRows(self._solver, rig)
+        self._filled = FilledRows(self._solver)
         self._answered = self.state  # what the arrays show
         source = take.source
         shows = source.as_written if isinstance(source, RoundingSource) else None
@@ -120,7 +120,7 @@ class EditSession(EditHistory):
         self.shown_rig = self.rig if theirs is None else theirs
         self.live.forget()
         self._solver.use_character(theirs)
-        self._filled.use_character(theirs)
+        self._filled.forget()
         self._answer_again()
 
     def _answer_again(self) -> None:

@@ -13,7 +13,6 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats, Indices, Times
-from faceedit_app.core.rig import Rig
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.recent import Recent
@@ -33,23 +32,16 @@ class FilledRows:
 
     Args:
         solver: of the take.
-        rig: the character that its curves are measured on.
     """
 
-    def __init__(self, solver: Solver, rig: Rig) -> None:
-        self._solver, self._rig = solver, rig
-        self._theirs: Rig | None = None
+    def __init__(self, solver: Solver) -> None:
+        self._solver = solver
         self._columns = [ARKIT_INDEX[channel] for channel in solver.clip.channels]
-        self._seconds = Recent[Solver](1)
+        self._second_takes = Recent[Solver](1)
 
     def forget(self) -> None:
-        """Forget how edits were answered: the solver has another engine."""
-        self._seconds = Recent[Solver](1)
-
-    def use_character(self, theirs: Rig | None) -> None:
-        """Close lips and lids on the user's character from now on."""
-        self._theirs = theirs
-        self.forget()
+        """Forget how edits were answered: the solver has another engine or character."""
+        self._second_takes = Recent[Solver](1)
 
     def find(
         self, lost: LostRows, edits: Sequence[Edit], settings: Settings, weights: Floats
@@ -62,8 +54,7 @@ class FilledRows:
             weights: (T, 52) the result of the edits on the take's own frames.
         """
         rows = self._solver.found(lost, edits)
-        faces = have_faces(rows)
-        filled = lost.with_faces(rows, self._solver.clip)
+        faces, filled = have_faces(rows), lost.with_faces(rows, self._solver.clip)
         others = [edit for edit in edits if edit.op not in OF_THE_TAKE]
         if settings.mode is Mode.PRESERVE:  # else any edit reaches everywhere
             others = others if any(_touches(edit, filled.times) for edit in others) else []
@@ -89,27 +80,23 @@ class FilledRows:
         read = np.unique(np.concatenate([places - 1, places, places + 1]))
         for chunk in {second.chunks.of_frame(int(frame)) for frame in read} & tasks.keys():
             out[second.chunks.slice(chunk)] = second.solve(tasks[chunk]).weights
-        _join(out, places, second.clip.times, np.delete(np.arange(len(out)), places), weights)
+        _join(out, places, second.clip.times, weights)
         found: Floats = np.round(np.clip(out[places], 0.0, 1.0), DECIMALS).astype(np.float32)
         return found
 
     def _second(self, rows: RowsBetween, edits: Sequence[Edit]) -> Solver:
         """What answers edits on the take that has the rows as frames."""
-        clip, places = self._solver.clip, rows.before + 1
 
         def made() -> Solver:
-            weights = self._solver.started(edits)[:, self._columns]
-            times = np.insert(clip.times, places, rows.times)
-            weights = np.insert(weights, places, rows.weights[:, self._columns], axis=0)
+            clip, start = self._solver.clip, self._solver.started(edits)
+            times = np.insert(clip.times, rows.before + 1, rows.times)
+            weights = np.insert(start, rows.before + 1, rows.weights, axis=0)[:, self._columns]
             bare = replace(clip, timecodes=None, rotations=None, confidence=None)
             gaps = find_gaps(times, clip.rate)
-            second = replace(bare, weights=weights, times=times, gaps=gaps)
-            solver = Solver(second, self._rig, self._solver.engine)
-            solver.use_character(self._theirs)
-            return solver
+            return self._solver.on(replace(bare, weights=weights, times=times, gaps=gaps))
 
         of_the_take = tuple(edit for edit in edits if edit.op in (Op.RESET, *OF_THE_TAKE))
-        return self._seconds.to((of_the_take, rows.weights.tobytes()), made)
+        return self._second_takes.to((of_the_take, rows.weights.tobytes()), made)
 
 
 def _touches(edit: Edit, times: Times) -> bool:
@@ -118,19 +105,18 @@ def _touches(edit: Edit, times: Times) -> bool:
     return bool(((times >= first) & (times <= last)).any())
 
 
-def _join(out: Doubles, places: Indices, times: Times, frames: Indices, weights: Floats) -> None:
+def _join(out: Doubles, places: Indices, times: Times, weights: Floats) -> None:
     """Let filled rows go over into the frames beside their gap, in `out` (N, 52).
 
     Args:
-        places: of the rows, in order.
+        places: of the M rows among the N frames, in order.
         times: (N,) seconds.
-        frames: (T,) places of the take's own frames.
-        weights: (T, 52) their result.
+        weights: (N - M, 52) the result of the other frames.
     """
     for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1):
         edges = run[0] - 1, run[-1] + 1
         reach = min(_JOINED, times[edges[1]] - times[edges[0]])
         for edge in edges:
-            off = weights[np.searchsorted(frames, edge)] - out[edge]
+            off = weights[edge - np.searchsorted(places, edge)] - out[edge]
             share = np.clip(1.0 - np.abs(times[run] - times[edge]) / reach, 0.0, 1.0)
             out[run] += share[:, None] * off

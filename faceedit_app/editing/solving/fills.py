@@ -177,23 +177,20 @@ class Fills:
     def found(
         self,
         edits: Sequence[Edit],
-        positions: Sequence[float],
+        seconds: Times,
         until: float | None = None,
     ) -> Floats | None:
         """(L, 52) weights for rows that lost the face, where a fill covers them; else NaN.
 
         Args:
-            positions: (L) see `LostRows`.
+            seconds: (L,) of the rows.
             until: a time of `time.perf_counter`; then it goes on with no other gap.
 
         Returns:
             The weights; None if the time was up. What was found by then is not sought again.
         """
         times, whole = self._clip.times, slice(0, len(self._tracked))
-        before = np.floor(positions).astype(np.intp)
-        share = np.asarray(positions, np.float64) - before
-        seconds = times[before] + share * (times[before + 1] - times[before])
-        out = np.full((len(before), self._tracked.shape[1]), np.nan)
+        out = np.full((len(seconds), self._tracked.shape[1]), np.nan)
         has_found = False
         changing: list[Edit] = []  # a fill between two frames changes none
         for i, edit in enumerate(edits):

@@ -160,6 +160,12 @@ class Solver:
             else None
         )
 
+    def on(self, clip: Clip) -> Solver:
+        """A solver of another clip, with the same rigs and engine."""
+        solver = Solver(clip, self._rig, self.engine)
+        solver.use_character(self._theirs)
+        return solver
+
     def _measure(self) -> Sample:
         """The part of the take that its statistics are measured on."""
         times = self.clip.times
@@ -218,11 +224,11 @@ class Solver:
             Whether all are found.
         """
         acting = active(divided(edits)[0])
-        return self._fills.found(acting, lost.positions, until) is not None
+        return self._fills.found(acting, lost.times(self.clip), until) is not None
 
     def found(self, lost: LostRows, edits: Sequence[Edit]) -> Floats:
         """(L, 52) what fills put in the rows without a face that they cover; else NaN."""
-        found = self._fills.found(active(divided(edits)[0]), lost.positions)
+        found = self._fills.found(active(divided(edits)[0]), lost.times(self.clip))
         assert found is not None, "it has all the time"
         return found
 
