@@ -47,7 +47,7 @@ class EditHistory(ABC):
     def __init__(self, rate: float | None = None) -> None:
         self._rate = rate
         self._steps = Steps(rate)
-        self._saved, self._saved_rate = self._steps.state, rate
+        self._saved_rate = rate
         self._origin = Origin(self._steps.state, rate)
         self.beside: Callable[[], Placement] = Placement
 
@@ -102,14 +102,19 @@ class EditHistory(ABC):
         return tuple(part for part, has_changed in changed.items() if has_changed)
 
     @property
+    def _saved(self) -> EditState:
+        """What is in the files."""
+        origin = self._origin
+        return origin.state if origin.is_saved else _nothing_of(origin.state)
+
+    @property
     def origin(self) -> Origin:
         """Where Undo would lead after a crash and a recovery."""
         return self._origin
 
     def mark_saved(self) -> None:
         """Note that the present state is saved."""
-        self._saved, self._saved_rate = self.state, self._rate
-        self._origin = Origin(self.state, self._rate)
+        self._origin, self._saved_rate = Origin(self.state, self._rate), self._rate
         self._steps.seal()  # so that Undo can return to what is in the file
 
     # --- gestures ----------------------------------------------------------------------------
@@ -315,9 +320,7 @@ class EditHistory(ABC):
             origin: that of the session, to which Undo goes back.
         """
         self._origin = origin
-        is_saved = origin.is_saved
-        self._saved = origin.state if is_saved else _nothing_of(origin.state)
-        self._saved_rate = origin.rate if is_saved else None
+        self._saved_rate = origin.rate if origin.is_saved else None
         self._steps.begin_with(origin.state)
         if (origin.state, origin.rate) != (state, self._rate):
             self._steps.rate = origin.rate
@@ -327,7 +330,6 @@ class EditHistory(ABC):
     def begin_with(self, state: EditState) -> None:
         """Start from the state of a project, which Undo cannot go behind."""
         self._steps.begin_with(state)
-        self._saved = _nothing_of(state)
         self._origin = Origin(state, self._rate, is_saved=False)
         self._arrive(is_step=False)
 
@@ -357,7 +359,7 @@ class EditHistory(ABC):
 
     def _take_over(self, other: EditHistory) -> None:
         self._steps.continue_from(other._steps)
-        self._saved, self._saved_rate, self._origin = other._saved, other._saved_rate, other._origin
+        self._saved_rate, self._origin = other._saved_rate, other._origin
 
     def _with_media(self, media: Placement) -> EditState:
         words = self.state.words

@@ -320,10 +320,10 @@ class Document(QObject):
 
     def _is_own(self, path: Path) -> bool:
         """Whether a file is the open project, and nobody else has changed it."""
-        file = self.project_file
-        if file is None or is_kept_project(file.path):
+        file, own = self.project_file, self.project
+        if file is None or own is None:
             return False
-        return is_same_file(path, file.path) and not file.was_changed
+        return is_same_file(path, own) and not file.was_changed
 
     @property
     def _character_path(self) -> Path | None:
