@@ -13,11 +13,9 @@ from pytestqt.qtbot import QtBot
 from shiboken6 import isValid
 
 from faceedit_app.ui.curves import CurvesPanel
-from faceedit_app.ui.state.time_display import Unit
-from faceedit_app.ui.state.tools import DEFAULT_SMOOTH, Tool
 from support.curves import new_panel, show_session
 from support.facts import Facts, facts_below
-from support.renewal import forget_drags, forget_mouse, release_mouse
+from support.renewal import choose_as_at_first, forget_drags, forget_mouse, release_mouse
 from support.rigs import tiny_session
 
 
@@ -57,7 +55,7 @@ class PanelShelf:
 def _empty(panel: CurvesPanel) -> None:
     """Take everything from a panel that its test has left on it."""
     release_mouse(panel)
-    line, tools, session = panel.timeline, panel.tools, panel.session
+    line, session = panel.timeline, panel.session
     panel.cancel_drag()
     if session is not None:
         session.previewed.disconnect(panel.refresh)
@@ -66,15 +64,9 @@ def _empty(panel: CurvesPanel) -> None:
     if (focused := panel.focusWidget()) is not None:
         focused.clearFocus()  # so that the first one gets it, as in a new panel
     panel.hide()
-    tools.choose(Tool.MOVE)
-    tools.link(True)
-    tools.set_smooth(DEFAULT_SMOOTH)
     line.leave_edit()
     line.restore_falloffs()
-    line.display.choose(Unit.SECONDS)
-    if panel.shown.is_unfolded:
-        panel.shown.unfold(False)
-    panel.shown.show_all()
+    choose_as_at_first(panel)
     forget_drags(panel)
     forget_mouse(panel)
 

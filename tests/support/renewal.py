@@ -129,19 +129,25 @@ def prepare(window: MainWindow, preferences: Preferences) -> None:
     window.start_page.show_recent(preferences.recent())
     window._pages.setCurrentWidget(window.start_page)
     workspace.opener.rig = None
-    workspace.tools.choose(Tool.MOVE)
-    workspace.tools.set_smooth(DEFAULT_SMOOTH)
-    workspace.timeline.display.choose(Unit.SECONDS)
+    choose_as_at_first(page.curves)
     _forget_gestures(window, page)
     page._take = None
-    page.curves.shown.show_all()
-    if page.curves.shown.is_unfolded:
-        page.curves.shown.unfold(False)
     page.lists.setCurrentIndex(0)
     page._fits_film, page.face.viewport.draws = True, 0
     page.face.viewport.quality = Quality()
     page.face._tracked = page.face._both = page.face._difference = page.face._follows = False
     page.face._glancing = page.curves.legend._has_character = False
+
+
+def choose_as_at_first(panel: CurvesPanel) -> None:
+    """Choose tools, unit and curves as in a new panel."""
+    panel.tools.choose(Tool.MOVE)
+    panel.tools.link(True)
+    panel.tools.set_smooth(DEFAULT_SMOOTH)
+    panel.timeline.display.choose(Unit.SECONDS)
+    panel.shown.show_all()
+    if panel.shown.is_unfolded:
+        panel.shown.unfold(False)
 
 
 def forget_drags(panel: CurvesPanel) -> None:
