@@ -74,14 +74,16 @@ def test_the_heaps_of_all_threads_are_counted_and_nothing_else() -> None:
 Anonymous:          1000 kB
 7f0004000000-7f0004200000 rw-p 00000000 00:00 0
 Anonymous:           200 kB
-7f0004200000-7f0008000000 ---p 00000000 00:00 0
+7f0004200000-7f0004800000 rw-p 00000000 00:00 0
+Anonymous:            30 kB
+7f0004800000-7f0008000000 ---p 00000000 00:00 0
 Anonymous:             0 kB
 7f0009000000-7f0009200000 rw-p 00000000 00:00 0
 Anonymous:          4000 kB
 7f000c000000-7f000c200000 rw-p 00000000 fe:01 1234                       /usr/lib/libQt6Gui.so
 Anonymous:           800 kB
 """
-    assert memory._heaps(smaps.splitlines()) == 1_200 * 2**10
+    assert memory._heaps(smaps.splitlines()) == 1_230 * 2**10
 
 
 def test_pictures_that_a_graphics_card_keeps_are_not_left_out(

@@ -23,7 +23,7 @@ _COLOR = 4  # bytes of a pixel
 _IN_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software")
 _FREE = re.compile(r"(?:bytes in available blocks|unused pools \* \d+ bytes) *= *([\d,]+)")
 _STDERR = 2
-_MAPPING = re.compile(r"([0-9a-f]+)-[0-9a-f]+ (\S+) \S+ \S+ \S+ *(.*)")
+_MAPPING = re.compile(r"([0-9a-f]+)-([0-9a-f]+) (\S+) \S+ \S+ \S+ *(.*)")
 _HEAP_OF_A_THREAD = 64 * 2**20  # glibc puts each at a multiple of this
 
 
@@ -84,13 +84,21 @@ def kept_by_c() -> int:
 
 
 def _heaps(smaps: list[str]) -> int:
-    """The bytes of all heaps that are in memory, from the lines of a `/proc/PID/smaps`."""
-    found, is_heap = 0, False
+    """The bytes of all heaps that are in memory, from the lines of a `/proc/PID/smaps`.
+
+    A thread's heap may be several mappings, one after the other: numpy asks for large pages for
+    its large arrays, and the system then keeps that part as a mapping of its own.
+    """
+    found, is_heap, of_thread, reached = 0, False, False, 0
     for line in smaps:
         if mapping := _MAPPING.match(line):
-            start, allowed, name = int(mapping[1], 16), mapping[2], mapping[3]
-            of_thread = not name and allowed == "rw-p" and start % _HEAP_OF_A_THREAD == 0
-            is_heap = name == "[heap]" or of_thread
+            start, end = int(mapping[1], 16), int(mapping[2], 16)
+            allowed, name = mapping[3], mapping[4]
+            if start % _HEAP_OF_A_THREAD == 0:
+                of_thread = not name and allowed == "rw-p"
+            else:
+                of_thread = of_thread and not name and start == reached
+            is_heap, reached = name == "[heap]" or of_thread, end
         elif is_heap and line.startswith("Anonymous:"):
             found += int(line.split()[1]) * 2**10
     return found
