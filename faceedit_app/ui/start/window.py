@@ -383,8 +383,8 @@ class MainWindow(WindowBase):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved edits, remember the layout, stop everything."""
+        event.ignore()  # until all is asked: after an unexpected error the window stays
         if not self.commands.file.may_quit():
-            event.ignore()
             return
         if self.editor is not None:
             self.editor.settle_layout()
