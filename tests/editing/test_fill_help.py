@@ -16,6 +16,7 @@ from faceedit_app.editing.help.fill import (
     Heard,
     cannot_fill,
     fill_edit,
+    filled_briefly,
     filled_message,
     opening_heard,
     variations,
@@ -103,3 +104,5 @@ def test_rows_that_the_file_lacks_are_said_to_stay_missing() -> None:
     take = take_of(replace(demo_take().clip, gaps=(Gap(300, 12),)))
     assert "no row for 12 lost frames" in filled_message(take, 4.0, 6.0, heard=False)
     assert "no row" not in filled_message(take, 6.0, 7.0, heard=False)
+    assert filled_briefly(take, 4.0, 6.0) == "No row for 12 lost frames"
+    assert filled_briefly(take, 6.0, 7.0) == "Filled"

@@ -16,7 +16,13 @@ from faceedit_app.core.errors import FaceEditError, FileError
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.help.events import lip_dips, open_eyes
 from faceedit_app.editing.help.fixes import apply_preset
-from faceedit_app.editing.help.presets import Preset, delete_preset, load_presets, save_preset
+from faceedit_app.editing.help.presets import (
+    Preset,
+    delete_preset,
+    load_presets,
+    rename_preset,
+    save_preset,
+)
 from faceedit_app.editing.session import EditSession
 
 HALF_BLINK, OPEN_LIPS = 4.73, 7.47  # seconds in the demo take
@@ -216,6 +222,18 @@ def test_presets_of_the_user_can_be_replaced_and_deleted(tmp_path: Path) -> None
     assert not any(p.own for p in load_presets(tmp_path)[0])
     with pytest.raises(ValueError, match="ships"):
         delete_preset(preset("smile"))
+
+
+def test_a_renamed_preset_is_the_same_under_its_new_name(tmp_path: Path) -> None:
+    saved, other = (save_preset(name, EDITS, 2.0, 3.0, tmp_path) for name in ("Mine", "Other"))
+    renamed = rename_preset(saved, " Yours ")
+    assert renamed == replace(saved, id="yours", name="Yours", menu="Yours", path=renamed.path)
+    assert rename_preset(renamed, "YOURS").path == renamed.path, "its file has that name already"
+    with pytest.raises(FileError, match="already a preset"):
+        rename_preset(other, "yours")
+    with pytest.raises(FaceEditError, match="no name"):
+        rename_preset(other, " ")
+    assert [p.name for p in load_presets(tmp_path)[0] if p.own] == ["Other", "YOURS"]
 
 
 def test_nothing_to_save_is_reported(tmp_path: Path) -> None:

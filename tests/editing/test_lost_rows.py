@@ -18,7 +18,7 @@ from faceedit_app.editing.edits.media import Placement
 from faceedit_app.editing.edits.splice import Splice
 from faceedit_app.editing.exporting import choose, export_session
 from faceedit_app.editing.filming import shown_by
-from faceedit_app.editing.help.fill import filled_message
+from faceedit_app.editing.help.fill import filled_briefly, filled_message
 from faceedit_app.editing.session import EditSession
 from faceedit_app.editing.splicing import write_spliced
 from faceedit_app.formats.opening import open_take
@@ -139,6 +139,7 @@ def test_an_exported_fill_opens_as_it_was_shown(path: Path) -> None:
 def test_the_message_says_what_the_export_gets(path: Path) -> None:
     take = open_take(path)
     assert "30 rows without a face get one" in filled_message(take, 1.8, 2.7, heard=False)
+    assert filled_briefly(take, 1.8, 2.7) == "30 rows get a face"
     assert "no row for 3 lost frames" in filled_message(take, 4.5, 5.5, heard=False)
 
 

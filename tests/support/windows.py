@@ -117,8 +117,8 @@ class Bench:
         monkeypatch.setattr(presets, "own_folder", lambda: folder / "presets")
         self._own_patches = self._patches()
 
-    def _answer(self, name: str) -> Callable[[QWidget, object], Any]:
-        def answer(_parent: QWidget, *_: object) -> Any:
+    def _answer(self, name: str) -> Callable[..., Any]:
+        def answer(_parent: QWidget, *_: object, **_named: object) -> Any:
             assert name in self.answers, f"asked for {name} unexpectedly"
             return self.answers.pop(name)
 

@@ -91,8 +91,23 @@ def test_saving_has_dots_only_if_it_asks_for_a_name(parent: QWidget) -> None:
 
     for asks in (True, False):
         when_asked(read)
-        dialogs.ask_unsaved(parent, "take.csv", "", asks)
+        dialogs.ask_unsaved(parent, "take.csv", asks=asks)
     assert labels == ["&Save project…", "&Save project"]
+
+
+def test_an_export_is_offered_only_for_what_it_would_hold(parent: QWidget) -> None:
+    labels: list[list[str]] = []
+
+    def read(dialog: QDialog) -> None:
+        assert isinstance(dialog, QMessageBox)
+        labels.append([button.text().replace("&", "") for button in dialog.buttons()])
+        dialog.reject()
+
+    for exports in (True, False):
+        when_asked(read)
+        dialogs.ask_unsaved(parent, "take.csv", exports=exports)
+    assert ["Export…" in each for each in labels] == [True, False]
+    assert all("Discard" in each for each in labels)
 
 
 def test_escape_is_cancel(parent: QWidget) -> None:

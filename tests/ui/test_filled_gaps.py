@@ -109,7 +109,7 @@ def test_filled_frames_are_reached_by_mouse_and_typed_times(window: MainWindow) 
     assert line.filled == 108 - LOST.start
     assert transport.clock.text() == "–", "its time is said once"
     assert transport.seconds.text().startswith("0:01.800 / ")
-    assert transport.frame.text() == f"filled frame · {line.frames}"
+    assert transport.frame.text() == f"filled, after frame {LOST.start}"
     for unit, text in (("seconds", "1.7667"), ("timecode", "1:46")):
         trigger(window, f"unit_{unit}")
         line.go_to_frame(0)

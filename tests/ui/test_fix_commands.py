@@ -148,9 +148,14 @@ def test_a_preset_is_saved_applied_and_deleted(
     mine.trigger()
     assert session.edits[0].name
     assert 4.5 < session.edits[0].start < 5.5
-    delete = menu.actions()[-1].menu()
-    assert isinstance(delete, QMenu)
-    delete.actions()[0].trigger()
+    monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w, current: f"{current}, wide")
+    for entry, name in ((-2, "My smile"), (-1, "My smile, wide")):  # Rename, then Delete
+        menu.aboutToShow.emit()
+        act = menu.actions()[entry].menu()
+        assert isinstance(act, QMenu)
+        assert [action.text() for action in act.actions()] == [name]
+        act.actions()[0].trigger()
+    assert window.status.currentMessage() == "Renamed the preset “My smile” to “My smile, wide”"
     menu.aboutToShow.emit()
     assert [a.text() for a in menu.actions()] == ["No presets of your own"]
 
@@ -259,7 +264,7 @@ def test_closing_says_that_the_previewed_fix_is_not_among_the_edits(
 ) -> None:
     asked: list[str] = []
 
-    def ask(_parent: object, _message: str, more: str, _asks: bool) -> dialogs.Unsaved:
+    def ask(_parent: object, _message: str, more: str, **_buttons: bool) -> dialogs.Unsaved:
         asked.append(more)
         return dialogs.Unsaved.CANCEL
 

@@ -232,8 +232,8 @@ def test_a_project_replaced_from_another_window_is_kept_and_its_own_window_asks(
 ) -> None:
     asked: list[tuple[str, bool]] = []
 
-    def ask(_parent: object, message: str, _more: str, asks: bool) -> dialogs.Unsaved:
-        asked.append((message, asks))
+    def ask(_parent: object, message: str, _more: str, **buttons: bool) -> dialogs.Unsaved:
+        asked.append((message, buttons["asks"]))
         return dialogs.Unsaved.CANCEL if len(asked) < 3 else dialogs.Unsaved.SAVE
 
     monkeypatch.setattr(dialogs, "ask_unsaved", ask)

@@ -29,7 +29,7 @@ from faceedit_app.editing.files.edits_file import read_edits
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Changed, Unsaved
-from faceedit_app.ui.commands.unsaved import question_about
+from faceedit_app.ui.commands.unsaved import may_be_exported, question_about
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.words.transcript import Transcript, Word
 
@@ -215,6 +215,18 @@ def test_closing_asks_about_edits(bench: Bench) -> None:
     assert (bench.folder / "p.faceedit").exists()
 
 
+def test_the_window_stays_if_it_cannot_ask(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    window = bench.editing()
+    add_edit(window)
+    with monkeypatch.context() as patched:
+        patched.setattr(dialogs, "ask_unsaved", lambda: Unsaved.DISCARD)  # fails in C code
+        with pytest.raises(TypeError):
+            window.close()
+    assert window.isVisible()
+    bench.answers["unsaved"] = Unsaved.DISCARD
+    assert window.close()
+
+
 def test_an_export_is_not_a_saved_project(bench: Bench) -> None:
     window = bench.editing()
     add_edit(window)
@@ -227,7 +239,7 @@ def test_an_export_is_not_a_saved_project(bench: Bench) -> None:
     answers = [Unsaved.EXPORT, Unsaved.CANCEL]
     asked: list[str] = []
 
-    def ask(_parent: object, _message: str, more: str, _asks: bool) -> Unsaved:
+    def ask(_parent: object, _message: str, more: str, **_buttons: bool) -> Unsaved:
         asked.append(more)
         bench.answers["export"] = bench.folder / "again.csv"
         return answers[len(asked) - 1]
@@ -247,6 +259,7 @@ def test_what_is_lost_by_closing_is_said_exactly(bench: Bench) -> None:
         "Your words of take.csv are not saved in a project.",
         "If you discard them, they are lost.",
     )
+    assert not may_be_exported(document), "an export does not hold words"
     session.undo()
     sound = MediaFile(bench.folder / "other.wav", 0.5)
     for media, said in {

@@ -74,16 +74,27 @@ def variations(edit: Edit) -> tuple[Edit, ...]:
 
 def filled_message(take: Take, start: float, end: float, heard: bool) -> str:
     """What a fill did, for the user."""
-    clip, text = take.clip, "Filled with other motion of the take"
+    text = "Filled with other motion of the take"
     if heard:
         text += ", as loud as the sound"
+    found, left = _faces_given(_rows_filled(take, start, end)), _left(take, start, end)
+    return "; ".join([text, *filter(None, (found, left and f"the file has no row for {left}"))])
+
+
+def filled_briefly(take: Take, start: float, end: float) -> str:
+    """The same in a few words, for a narrow window."""
+    found, left = _rows_filled(take, start, end), _left(take, start, end)
+    given = f"{counted(found, 'row')} {'gets' if found == 1 else 'get'} a face" if found else ""
+    said = "; ".join(filter(None, (given, left and f"no row for {left}"))) or "Filled"
+    return f"{said[:1].upper()}{said[1:]}"
+
+
+def _left(take: Take, start: float, end: float) -> str:
+    """The lost frames in a range for which the file has no row, such as `3 lost frames`."""
+    clip = take.clip
     lost = sum(g.missing for g in clip.gaps if start <= clip.times[g.frame] < end)
-    found = _rows_filled(take, start, end)
-    if found:
-        text += f"; {_faces_given(found)}"
-    if lost > found:
-        text += f"; the file has no row for {counted(lost - found, 'lost frame')}"
-    return text
+    left = lost - _rows_filled(take, start, end)
+    return counted(left, "lost frame") if left > 0 else ""
 
 
 def variations_of(fix: Sequence[Edit]) -> list[tuple[Edit, ...]]:

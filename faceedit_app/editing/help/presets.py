@@ -10,7 +10,7 @@ menus list them by number, grouped by its first digit. They also say how the win
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
@@ -240,9 +240,7 @@ def save_preset(
         FileError: a preset of that name exists, or the file cannot be written.
         FaceEditError: the name is empty, or there is no edit in the selection.
     """
-    name = clean_text(name.strip())
-    if not name:
-        raise FaceEditError("The preset has no name; give it one")
+    name = _clean_name(name)
     kept = [
         replace(edit, start=max(edit.start, start), end=min(edit.end, end)).shifted(-start)
         for edit in _edits_within(edits, start, end)
@@ -250,27 +248,67 @@ def save_preset(
     if not kept:
         raise FaceEditError(_NOTHING)
     folder = folder or own_folder()
-    path = folder / f"{_file_name(name)}.json"
+    path = _path_for(name, folder)
     if on_disk.exists(path) and not replace_old:
-        raise FileError(path, "there is already a preset of that name", "choose another name")
+        raise _taken(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = reason_of(error)
         raise FileError(folder, f"cannot be created ({reason})", "check its permissions") from error
-    head = to_text(
-        {
-            "version": VERSION,
-            "name": name,
-            "hint": f"Saved from {end - start:.2f} s",
-            "stretch": True,
-            "alone": Alone.FROM_PLAYHEAD.value,
-            "seconds": end - start,
-        },
-        indent=2,
-    )
-    lines = ",\n    ".join(to_text(to_json(edit)) for edit in kept)
-    text = f'{head[:-2]},\n  "edits": [\n    {lines}\n  ]\n}}\n'
+    head = {
+        "name": name,
+        "hint": f"Saved from {end - start:.2f} s",
+        "stretch": True,
+        "alone": Alone.FROM_PLAYHEAD.value,
+        "seconds": end - start,
+    }
+    return _write(path, head, kept)
+
+
+def rename_preset(preset: Preset, name: str) -> Preset:
+    """Give a preset of the user's another name; its file is named after it.
+
+    Raises:
+        FileError: a preset of that name exists, or a file cannot be written or deleted.
+        FaceEditError: the name is empty.
+    """
+    path = _path_for(name := _clean_name(name), preset.path.parent)
+    if path != preset.path and on_disk.exists(path):
+        raise _taken(path)
+    head = {
+        "name": name,
+        "hint": preset.hint,
+        **({"find": preset.find.value} if preset.find is not None else {}),
+        "stretch": preset.stretch,
+        "alone": preset.alone.value,
+        "seconds": preset.seconds,
+    }
+    renamed = _write(path, head, preset.edits)
+    if path != preset.path:
+        delete_preset(preset)
+    return renamed
+
+
+def _clean_name(name: str) -> str:
+    if cleaned := clean_text(name.strip()):
+        return cleaned
+    raise FaceEditError("The preset has no name; give it one")
+
+
+def _path_for(name: str, folder: Path) -> Path:
+    return folder / f"{_file_name(name)}.json"
+
+
+def _taken(path: Path) -> FileError:
+    return FileError(path, "there is already a preset of that name", "choose another name")
+
+
+def _write(path: Path, head: Mapping[str, object], edits: Sequence[Edit]) -> Preset:
+    """Write a preset of the user's, and read it again."""
+    above = to_text({"version": VERSION, **head}, indent=2)
+    lines = ",\n    ".join(to_text(to_json(edit)) for edit in edits)
+    text = f'{above[:-2]},\n  "edits": [\n    {lines}\n  ]\n}}\n'
     write_keeping(path, text.encode(), lambda there: is_document(there, "version", "name", "edits"))
     return read_preset(path, own=True)
 

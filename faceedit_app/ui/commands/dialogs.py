@@ -306,22 +306,24 @@ def ask_save_picture(parent: QWidget, suggestion: Path) -> Path | None:
     return save_name(parent, "Save picture", suggestion, file_kinds.PICTURES)
 
 
-def ask_preset_name(parent: QWidget) -> str | None:
-    """A name for a preset."""
-    name, ok = QInputDialog.getText(parent, "Save as preset", "Name of the preset in the menu:")
+def ask_preset_name(parent: QWidget, current: str = "") -> str | None:
+    """A name for a preset; `current` is the one that it has, if it is to be renamed."""
+    title = "Rename preset" if current else "Save as preset"
+    name, ok = QInputDialog.getText(parent, title, "Name of the preset in the menu:", text=current)
     return name.strip() if ok and name.strip() else None
 
 
-def ask_unsaved(parent: QWidget, message: str, more: str = "", asks: bool = True) -> Unsaved:
-    """What to do with changes before their take is closed, which saving `asks` about as well."""
+def ask_unsaved(
+    parent: QWidget, message: str, more: str = "", *, asks: bool = True, exports: bool = True
+) -> Unsaved:
+    """What to do with unsaved changes: saving `asks` for a name; an export may hold some."""
     box = _question(parent, message, more)
     role = QMessageBox.ButtonRole
     save = box.addButton("&Save project" + "…" * asks, role.AcceptRole)
-    choices = {
-        save: Unsaved.SAVE,
-        box.addButton("&Export…", role.AcceptRole): Unsaved.EXPORT,
-        box.addButton("&Discard", role.DestructiveRole): Unsaved.DISCARD,
-    }
+    choices = {save: Unsaved.SAVE}
+    if exports:
+        choices[box.addButton("&Export…", role.AcceptRole)] = Unsaved.EXPORT
+    choices[box.addButton("&Discard", role.DestructiveRole)] = Unsaved.DISCARD
     box.setDefaultButton(save)
     return _choice(box, choices, Unsaved.CANCEL)
 

@@ -294,13 +294,14 @@ class FileCommands:
         document = self._document
         if document.path is None:
             return True
-        from faceedit_app.ui.commands.unsaved import question_about
+        from faceedit_app.ui.commands.unsaved import may_be_exported, question_about
 
         left_out = bool(self._workspace.end_before_writing())
         while document.loses_by_closing:
             project, question = document.project, question_about(document, left_out)
             asks = project is None or document.was_changed(project)
-            match dialogs.ask_unsaved(self._window, *question, asks):
+            exports = may_be_exported(document)
+            match dialogs.ask_unsaved(self._window, *question, asks=asks, exports=exports):
                 case dialogs.Unsaved.EXPORT:
                     if not self.export():
                         return False

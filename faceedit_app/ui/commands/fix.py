@@ -7,27 +7,15 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QMenu
-
-from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.edit import Edit
-from faceedit_app.editing.help.presets import (
-    Preset,
-    delete_preset,
-    described,
-    load_presets,
-    save_preset,
-    shipped_presets,
-    why_not_saved,
-)
+from faceedit_app.editing.help.presets import Preset, shipped_presets
 from faceedit_app.formats.timing import counted
 from faceedit_app.ui.commands import conditions as c
-from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.calibration import CalibrationCommands
+from faceedit_app.ui.commands.own_presets import OwnPresetCommands
 from faceedit_app.ui.commands.words import WordCommands
 from faceedit_app.ui.commands.workspace import Workspace
 from faceedit_app.ui.edits.slider_dialog import End, SliderDialog
-from faceedit_app.ui.look.texts import name_entry, plain_entry, plain_tip
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver
@@ -42,8 +30,9 @@ class FixCommands:
         self._document, self._timeline = workspace.document, workspace.timeline
         self.words = WordCommands(workspace)
         self.calibration = CalibrationCommands(workspace)
+        self.presets = OwnPresetCommands(workspace, self.apply)
 
-    # --- fixes and presets -------------------------------------------------------------------
+    # --- fixes -------------------------------------------------------------------------------
 
     def apply(self, preset: Preset) -> None:
         """Make a preset's edits as one step and select them, ready for their strength to be set."""
@@ -99,7 +88,8 @@ class FixCommands:
         edit = fill.fill_edit(session, *selection, heard)
         text = fill.filled_message(session.take, *selection, bool(edit.points))
         found = [(each,) for each in fill.variations(edit)]
-        page.proposal.offer(text, (edit,), "Fill", variations=found)
+        short = fill.filled_briefly(session.take, *selection)
+        page.proposal.offer(text, (edit,), "Fill", short=short, variations=found)
 
     def vary(self, by: int) -> None:
         """Show the next variation of the proposal, or the previous one."""
@@ -112,58 +102,6 @@ class FixCommands:
         """Whether the proposal has variations."""
         page = self._workspace.page
         return page is not None and page.proposal.has_variations
-
-    def fill_presets(self, menu: QMenu) -> None:
-        """List the user's own presets, and where they act."""
-        from faceedit_app.ui.page.expressions import where_acts
-
-        menu.clear()
-        presets, notes = load_presets()
-        own = [preset for preset in presets if preset.own]
-        if own:
-            menu.addAction(where_acts(own, self._timeline)[0]).setEnabled(False)
-        for preset in own:
-            action = menu.addAction(name_entry(preset.name))
-            action.setToolTip(plain_tip(preset.hint))
-            action.triggered.connect(lambda _checked=False, p=preset: self.apply(p))
-        if not own:
-            menu.addAction("No presets of your own").setEnabled(False)
-        for note in notes:
-            menu.addAction(plain_entry(note)).setEnabled(False)
-        if own:
-            menu.addSeparator()
-            delete = menu.addMenu("Delete")
-            for preset in own:
-                action = delete.addAction(name_entry(preset.name))
-                action.triggered.connect(lambda _checked=False, p=preset: self._delete(p))
-
-    def save_preset(self) -> None:
-        """Save the edits in the selection as a preset."""
-        session = self._document.session
-        if session is None:
-            return
-        self._workspace.end_gestures()
-        selection = self._timeline.own_selection
-        why = why_not_saved(session.edits, selection)
-        if selection is None or why:
-            self._workspace.message.emit(why)
-            return
-        name = dialogs.ask_preset_name(self._workspace.window)
-        if not name:
-            return
-        try:
-            saved = save_preset(name, session.edits, *selection)
-        except FaceEditError as error:
-            dialogs.show_error(self._workspace.window, error)
-            return
-        text = described(saved, session.edits, *selection)
-        self._workspace.message.emit(f"Saved the preset {text}")
-
-    def _delete(self, preset: Preset) -> None:
-        try:
-            delete_preset(preset)
-        except FaceEditError as error:
-            dialogs.show_error(self._workspace.window, error)
 
     # --- problems ----------------------------------------------------------------------------
 
@@ -344,9 +282,9 @@ MENU: Menu[FixCommands] = Menu("Fi&x", (
     Command("fill", "&Fill", FixCommands.fill, ("Ctrl+I",),
             "Replace the selection, up to 4 s, with other motion of the take that fits both sides",
             enabled=c.HAS_RANGE),
-    Command("presets", "My p&resets", fills=FixCommands.fill_presets),
-    Command("save_preset", "Sa&ve selection as preset…", FixCommands.save_preset,
-            tip="Save the edits in the selection under a name, to use them elsewhere"),
+    Command("presets", "My p&resets", fills=lambda do, menu: do.presets.fill(menu)),
+    Command("save_preset", "Sa&ve selection as preset…", lambda do: do.presets.save(), (),
+            "Save the edits in the selection under a name, to use them elsewhere"),
     Command("close_on_words", "Close l&ips on m, b, p", lambda do: do.words.close_lips(), (),
             "Close the lips at each m, b and p that stays open, in the selection or the whole take",
             "lips", enabled=c.HAS_WORDS, starts_group=True, submenu=WORDS),

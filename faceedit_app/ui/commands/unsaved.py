@@ -52,6 +52,13 @@ def question_about(document: Document, left_out: bool = False) -> tuple[str, str
     return message, more
 
 
+def may_be_exported(document: Document) -> bool:
+    """Whether an export would hold some of what is not saved: not sound, film and words."""
+    assert document.session is not None
+    parts = document.session.unsaved
+    return not parts or EDITS in parts or RATE in parts
+
+
 def _in_no_project(name: str, parts: Sequence[str], placed: Placement) -> tuple[str, str]:
     """What to ask about a take that has no project.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.clip import Clip
@@ -101,6 +102,6 @@ def times(clip: Clip, frame: int, filled: float | None = None) -> tuple[str, str
     seconds = format_time(float(clip.times[frame]) if filled is None else filled)
     within = f"{seconds} / {format_time(clip.duration)}"
     if filled is not None:
-        return "–", within, f"filled frame · {len(clip)}"
+        return "–", within, f"filled, after frame {np.searchsorted(clip.times, filled)}"
     code = whole_timecode(clip.timecodes[frame]) if clip.timecodes else seconds
     return code, within, f"frame {frame + 1} / {len(clip)}"
