@@ -109,7 +109,7 @@ def test_no_class_of_the_window_was_made_too_early() -> None:
     assert [entry for entry in found if not hasattr(entry[2], "__wrapped__")] == []
 
 
-def _subclasses(base: type) -> Iterator[type]:
+def _subclasses(base: type[QWidget]) -> Iterator[type[QWidget]]:
     for cls in base.__subclasses__():
         yield cls
         yield from _subclasses(cls)
