@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialogButtonBox, QListWidget
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QListWidget, QPushButton
 from support.sessions import switch
 from support.speech import said
 from support.takes import livelink_names, make_livelink_csv, speech_like
@@ -110,6 +110,36 @@ def test_panel_lists_the_channels_of_the_take_and_its_rotations(bench: Bench) ->
         assert panel.none.shown == says, "none is found, and the panel is no wider"
     panel.search.clear()
     assert not panel.none.isVisible()
+
+
+def test_buttons_act_only_on_channels_that_the_list_shows_and_highlights(bench: Bench) -> None:
+    window, panel = opened(bench)
+    session = session_of(window)
+    panel.choose("headYaw")
+    mute = next(button for button in panel.findChildren(QPushButton) if button.text() == "Mute")
+    for text, wanted in (
+        ("cheekPuff", ("cheekPuff",)),
+        ("nothing", ()),
+        ("cheek", ("cheekPuff",)),
+        ("eyeWide", ("eyeWideLeft", "eyeWideRight")),
+        ("jawO", ("jawOpen",)),
+        ("", ("jawOpen",)),
+    ):
+        panel.search.setText(text)
+        if len(wanted) > 1:
+            panel.list.selectAll()  # Qt selects what is hidden, too
+        lit = [item for item in panel.list.selectedItems() if not item.isHidden()]
+        assert panel.chosen == wanted == tuple(item.text() for item in lit), text
+        assert [plot.channel for plot in panel.plots] == list(wanted)
+        assert mute.isEnabled() == bool(wanted)
+        assert ("shows no channel" in mute.toolTip()) == (not wanted), "and says why it is grey"
+        before = len(session.edits)
+        mute.click()
+        assert [edit.channels for edit in session.edits[before:]] == [wanted] * bool(wanted)
+    panel.search.setText("cheek")
+    panel.choose("headYaw")
+    assert not panel.search.text(), "what is chosen is shown"
+    assert panel.chosen == ("headYaw",)
 
 
 def test_buttons_edit_the_selected_channels_in_the_selected_range(bench: Bench) -> None:

@@ -39,12 +39,16 @@ from faceedit_app.ui.state.timeline import Timeline
 MOST_PLOTS = 4
 _CEILING, _CEILING_TURN = 0.8, 20.0  # of Limit at first: a weight, degrees
 _FIRST = ("jawOpen",)  # selected at first
+_NONE_SHOWN = "The list shows no channel: change what is searched for"
+_NONE_CHOSEN = "No channel is chosen: click one in the list"
 
 
 class ChannelsPanel(QWidget):
     """A list of channels with search; those that are selected are plotted and can be edited.
 
-    The buttons act on the selected channels, in the selected time range or the whole take.
+    The buttons act on the selected channels, in the selected time range or the whole take. What the
+    list does not show is never selected: a search that hides the selected channels selects the
+    first one that it shows.
     """
 
     def __init__(self, document: Document, timeline: Timeline) -> None:
@@ -53,6 +57,7 @@ class ChannelsPanel(QWidget):
         self.plots: list[ChannelPlot] = []
         self._known: list[ChannelPlot] = []  # those on the screen, and some more
         self._items: dict[str, QListWidgetItem] = {}
+        self._latest = _FIRST  # the channels that were selected, also while none is shown
         self.search = QLineEdit()
         self.search.setObjectName("search")
         self.search.setPlaceholderText("Search channels")
@@ -77,12 +82,15 @@ class ChannelsPanel(QWidget):
         self.factor = _number(0.0, 10.0, 0.05, 0.5, "×", "Factor for Scale")
         self.smoothing = _number(10.0, 2000.0, 10.0, 80.0, " ms", "Width of Smooth")
         self.ceiling = _number(0.05, 1.0, 0.05, _CEILING, "", "Ceiling for Limit")
-        self._buttons = [
-            self._button("Scale", "Multiply the distance from the median of the take", self.scale),
-            self._button("Smooth", "Calm shaking", self.smooth),
-            self._button("Limit", "Approach a ceiling smoothly and never pass it", self.limit),
-            self._button("Mute", "Set to 0", self.mute),
-        ]
+        self._buttons = {
+            self._button(text, act): f"{tip}, in the selected range or the whole take"
+            for text, tip, act in (
+                ("Scale", "Multiply the distance from the median of the take", self.scale),
+                ("Smooth", "Calm shaking", self.smooth),
+                ("Limit", "Approach a ceiling smoothly and never pass it", self.limit),
+                ("Mute", "Set to 0", self.mute),
+            )
+        }
         self._lay_out()
         document.opened.connect(self.reload)
         for changed in (document.changed, document.previewed):
@@ -95,9 +103,9 @@ class ChannelsPanel(QWidget):
             moved.connect(self._mark)
         self.reload()
 
-    def _button(self, text: str, tip: str, act: object) -> QPushButton:
+    @staticmethod
+    def _button(text: str, act: object) -> QPushButton:
         button = OnePush(text)
-        button.setToolTip(f"{tip}, in the selected range or the whole take")
         button.clicked.connect(act)
         return button
 
@@ -159,15 +167,22 @@ class ChannelsPanel(QWidget):
         return tuple(name for name in self.channels if self._items[name].isSelected())
 
     def choose(self, *channels: str) -> None:
-        """Select channels."""
+        """Select channels; a search that hides one is ended."""
+        if any(self._items[name].isHidden() for name in channels if name in self._items):
+            self.search.clear()
+        self._select(channels)
+
+    def _select(self, channels: Sequence[str]) -> None:
         with QSignalBlocker(self.list):
-            for name in self.channels:
-                self._items[name].setSelected(name in channels)
+            for number, name in enumerate(channels):
+                if not number and name in self._items:  # where the arrows go on from
+                    self.list.setCurrentItem(self._items[name])
+            for name, item in self._items.items():
+                item.setSelected(name in channels)
         self._choose()
 
     def reload(self) -> None:
         """Another take: list its channels, and keep those that are selected."""
-        chosen = [item.text() for item in self.list.selectedItems()]
         self.list.blockSignals(True)
         self.list.clear()
         session = self._document.session
@@ -180,8 +195,8 @@ class ChannelsPanel(QWidget):
                 item.setToolTip("Idle: the take never moves it")
             self.list.addItem(item)
         self.list.blockSignals(False)
-        kept = [name for name in chosen if name in self._items]
-        self.choose(*(kept or _FIRST))
+        kept = [name for name in self._latest if name in self._items]
+        self._select(kept or _FIRST)
         self._filter(self.search.text())
         if session is not None:
             clip = session.take.clip
@@ -198,19 +213,38 @@ class ChannelsPanel(QWidget):
         wanted = text.strip()
         for name, item in self._items.items():
             item.setHidden(wanted.lower() not in name.lower())
-        found = any(not item.isHidden() for item in self._items.values())
-        self.none.setVisible(not found and bool(self._items))
+        shown = [name for name, item in self._items.items() if not item.isHidden()]
+        self.none.setVisible(not shown and bool(self._items))
         self.none.setText(f"No channel is called “{wanted}”")
         self.none.setToolTip(plain_tip(self.none.text()))
+        self._deselect_hidden()
+        if not self.chosen:
+            latest = [name for name in self._latest if name in shown]
+            self._select(latest or shown[:1])
+        else:
+            self._choose()
+        self._scroll_to_chosen()
+
+    def _deselect_hidden(self) -> None:
+        """Deselect what the list does not show; Ctrl+A selects it, and so does a range over it."""
+        with QSignalBlocker(self.list):
+            for item in self.list.selectedItems():
+                if item.isHidden():
+                    item.setSelected(False)
 
     def _choose(self) -> None:
-        """Plot the first of the selected channels."""
-        wanted = self.chosen[:MOST_PLOTS]
+        """Plot the first of the selected channels; the buttons act on all of them."""
+        self._deselect_hidden()
+        chosen = self.chosen
+        self._latest = chosen or self._latest
+        wanted = chosen[:MOST_PLOTS]
         if [plot.channel for plot in self.plots] != list(wanted):
             self._plot(wanted)
-        for button in self._buttons:
-            button.setEnabled(bool(self.chosen))
-        self._set_unit(bool(self.chosen) and all(map(is_rotation, self.chosen)))
+        why_not = "" if chosen else _NONE_CHOSEN if self.none.isHidden() else _NONE_SHOWN
+        for button, tip in self._buttons.items():
+            button.setEnabled(not why_not)
+            button.setToolTip("\n".join(filter(None, (tip, why_not))))
+        self._set_unit(bool(chosen) and all(map(is_rotation, chosen)))
         self.refresh()
 
     def _plot(self, channels: Sequence[str]) -> None:
