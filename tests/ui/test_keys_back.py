@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QAbstractSpinBox,
     QApplication,
     QComboBox,
+    QDialog,
     QLineEdit,
     QScrollBar,
     QWidget,
@@ -115,3 +116,47 @@ def test_who_goes_by_tab_keeps_the_keys_and_a_click_into_a_text_is_meant(
     for widget, pressed in ((search, search), (rows, rows.viewport())):
         QTest.mouseClick(pressed, LEFT, pos=pressed.rect().center())
         assert widget.hasFocus(), QApplication.focusWidget()
+
+
+def test_what_is_hidden_or_disabled_gives_the_keys_back(window: MainWindow) -> None:
+    editor, found = editor_of(window), all_taking(window)
+    for widget in found:
+        for gone in (lambda w, on: w.setVisible(on), lambda w, on: w.setEnabled(on)):
+            widget.setFocus(Qt.FocusReason.TabFocusReason)
+            gone(widget, False)
+            assert home_has_keys(window), (widget, QApplication.focusWidget())
+            gone(widget, True)
+    search = editor.channels.search if editor.channels is not None else None
+    assert search is not None
+    search.setFocus()
+    trigger(window, "all_channels")
+    assert home_has_keys(window)
+
+
+def test_what_is_hidden_behind_a_dialog_gives_the_keys_back(window: MainWindow) -> None:
+    rows, dialog = editor_of(window).edits.list, QDialog(window)
+    for goes in (True, False):
+        rows.setFocus(Qt.FocusReason.TabFocusReason)
+        dialog.show()
+        dialog.activateWindow()
+        run_events()
+        assert QApplication.activeWindow() is dialog
+        rows.setVisible(not goes)
+        dialog.hide()
+        window.activateWindow()
+        run_events()
+        assert home_has_keys(window) == goes, QApplication.focusWidget()
+        assert rows.hasFocus() != goes
+        rows.show()
+
+
+def test_a_list_that_takes_the_place_of_another_does_not_take_its_keys(
+    window: MainWindow,
+) -> None:
+    editor = editor_of(window)
+    for list_, turns in ((editor.edits, "fix_all"), (editor.problem_list, "fix_smile")):
+        editor.lists.setCurrentWidget(list_)
+        list_.findChildren(QAbstractItemView)[0].setFocus(Qt.FocusReason.TabFocusReason)
+        trigger(window, turns)
+        assert editor.lists.currentWidget() is not list_
+        assert home_has_keys(window), (turns, QApplication.focusWidget())

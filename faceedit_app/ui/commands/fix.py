@@ -214,7 +214,8 @@ class FixCommands:
         page = self._workspace.page
         if page is not None:
             page.list_problems()
-            page.problem_list.rows.setFocus()
+            if page.problem_list.rows.isVisible():  # it is empty else
+                page.problem_list.rows.setFocus()
 
     @property
     def has_proposal(self) -> bool:

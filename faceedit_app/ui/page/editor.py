@@ -28,6 +28,7 @@ from faceedit_app.ui.page.curve_menus import connect_menus
 from faceedit_app.ui.page.expressions import Expressions
 from faceedit_app.ui.page.first_steps import Card, HintLayer
 from faceedit_app.ui.page.fix_trials import FixTrials
+from faceedit_app.ui.page.keys_back import turn_to
 from faceedit_app.ui.page.overview import Overview
 from faceedit_app.ui.page.problems_bar import ProblemsBar, ProblemsHead
 from faceedit_app.ui.page.problems_list import ProblemsList
@@ -241,12 +242,12 @@ class Editor(QWidget):
     def list_edits(self) -> None:
         """Show the list of edits instead of the list of problems, to set a new edit's strength."""
         if self.lists.currentWidget() is self.problem_list:
-            self.lists.setCurrentWidget(self.edits)
+            turn_to(self.lists, self.edits, self.curves)
 
     def list_problems(self) -> None:
         """Show the list of problems."""
         self.side.unfold()
-        self.lists.setCurrentWidget(self.problem_list)
+        turn_to(self.lists, self.problem_list, self.curves)
 
     def _first_steps(self) -> tuple[Card, ...]:
         return (

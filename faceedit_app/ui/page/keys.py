@@ -83,6 +83,8 @@ class KeyArbiter(QObject):
             return self._glance(event, is_down)
         if kind == QEvent.Type.WindowDeactivate and watched is self._window:
             self._hold(False)
+        elif kind == QEvent.Type.WindowActivate and watched is self._window:
+            self.back.come_back()
         return False
 
     def _override(self, event: QKeyEvent) -> bool:

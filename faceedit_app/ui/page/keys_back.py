@@ -1,4 +1,4 @@
-"""Gives the keys back to the curves once a slider, a field or a list was used with the mouse."""
+"""Gives the keys back to the curves from a slider, a field or a list that is done or gone."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QLineEdit,
+    QTabWidget,
     QWidget,
 )
 
@@ -27,6 +28,9 @@ class KeysBack(QObject):
     the arrows of a number field, and Enter in a number field that takes what was typed. Who goes
     by Tab keeps them until then. A click into a text or a list is meant for it.
 
+    What has the keys and is hidden or disabled gives them back, too. Qt would hand them on to what
+    Tab reaches next, which nobody asked for.
+
     Attributes:
         home: what gets the keys; the window itself while it is hidden.
     """
@@ -41,8 +45,12 @@ class KeysBack(QObject):
         self._app = app
         app.focusChanged.connect(self._watch)
 
-    def _watch(self, _old: QWidget | None, now: QWidget | None) -> None:
+    def _watch(self, old: QWidget | None, now: QWidget | None) -> None:
         """See all events only while one of them has the focus: it would cost time."""
+        is_here = now is not None and now.window() is self._window
+        if is_here and old is not None and old.window() is self._window and _is_gone(old):
+            self.give()  # comes back here with what has the keys then
+            return
         takes = isinstance(now, _TAKING) and now.window() is self._window
         if takes and self._taking is None:
             self._app.installEventFilter(self)
@@ -53,6 +61,12 @@ class KeysBack(QObject):
     def give(self) -> None:
         """Give the keys back."""
         (self.home if self.home.isVisible() else self._window).setFocus(_MOUSE)
+
+    def come_back(self) -> None:
+        """The window is used again; meanwhile, what had the keys may have gone."""
+        focus = self._window.focusWidget()
+        if focus is not None and _is_gone(focus):
+            self.give()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Notice a press, a release, and Enter."""
@@ -87,6 +101,22 @@ class KeysBack(QObject):
             return False  # what it opens is another window, which gives the focus back
         part = taking.parentWidget() if isinstance(taking, QAbstractItemView) else taking
         return part is not None and (part is pressed or part.isAncestorOf(pressed))
+
+
+def _is_gone(widget: QWidget) -> bool:
+    """Whether a widget can no longer have the keys."""
+    return not (widget.isVisible() and widget.isEnabled())
+
+
+def turn_to(tabs: QTabWidget, page: QWidget, home: QWidget) -> None:
+    """Show another page of tabs; home gets the keys of the page that is hidden.
+
+    Qt would give them to the first field of the other page, whichever that is.
+    """
+    before, focus = tabs.currentWidget(), QApplication.focusWidget()
+    if page is not before and focus is not None and before.isAncestorOf(focus):
+        home.setFocus()
+    tabs.setCurrentWidget(page)
 
 
 def in_list(field: QWidget) -> bool:
