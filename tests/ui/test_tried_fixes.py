@@ -18,6 +18,7 @@ from support.windows import (
 
 from faceedit_app.core.controls import LIP_OPENING
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.time_display import shown_time
@@ -129,3 +130,56 @@ def test_a_gesture_ends_the_trial_and_its_end_begins_another(
     with bench.qtbot.waitSignal(editor.trials.tried):
         editor.problems.search()
     assert editor.problem_list.chosen == editor.problems.problems
+
+
+def test_the_proposal_counts_what_is_not_ticked_and_why(
+    window: MainWindow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    editor, kinds = editor_of(window), (Kind.BLINK, Kind.LIPS, Kind.JITTER, Kind.DROPPED)
+    fix = editor.problems.problems[0].fix
+    found = [
+        Problem(kind, i, i + 0.5, i, (), "x", "1 mm", 0.5, fix) for i, kind in enumerate(kinds)
+    ]
+    editor.problems.problems = tuple(found)
+    editor.problems.found.emit()
+    monkeypatch.setattr(editor.trials, "begin", editor.trials.stop)
+    trigger_enabled(window, "fix_all")
+    model, rows = editor.problem_list.model, editor.problem_list
+    model.show_brought({found[0]: found[3]})
+    why = "as the fix would make another problem"
+    for unticked, advice in (
+        ((), f"1 more is not ticked, {why}"),
+        (found[1:2], f"2 more are not ticked, 1 of them {why}"),
+        (found[2:3], f"3 more are not ticked, 1 of them {why}"),
+    ):
+        model.tick(unticked, False)
+        count = len(rows.chosen)
+        assert editor.proposal.text.text().startswith(f"Fixes for {count} problem")
+        assert editor.proposal.text.text().endswith(f"; {advice}.")
+        assert editor.proposal.text.short == f"Fixes shown; {4 - count} not ticked: see the list"
+    model.tick(found, True)
+    assert "untick those" in editor.proposal.text.text()
+    model.tick(found[:2], False)
+    model.show_brought({})
+    assert editor.proposal.text.text().endswith("; 2 more are not ticked.")
+
+
+def test_a_problem_of_an_edit_is_still_unticked_when_the_edit_comes_back(
+    window: MainWindow,
+) -> None:
+    editor, session = editor_of(window), session_of(window)
+    known = editor.problems.problems
+    session.add(Edit((LIP_OPENING,), Op.ADD, 5.2, 5.6, 0.1, points=SHAKING))
+    editor.problems.search()
+    made = next(p for p in editor.problems.problems if p.fix and not any(map(p.is_as, known)))
+    model = editor.problem_list.model
+    model.tick((made, known[1]), False)
+    for step in ("undo", "redo"):
+        trigger_enabled(window, step)
+        editor.problems.search()
+        assert not model.is_ticked(known[1])
+    assert made in editor.problems.problems
+    assert not model.is_ticked(made)
+    editor.problems.restart()
+    editor.problems.search()
+    assert model.is_ticked(made), "another take begins with its own"

@@ -167,7 +167,7 @@ class FixCommands:
         edits = tuple(edit for problem in chosen for edit in problem.fix)
         if edits:
             count = counted(len(chosen), "problem")
-            text = f"Fixes for {count} are shown; {page.problem_list.advice}."
+            text = f"Fixes for {count} are shown; {page.problem_list.advice}"
             short = page.problem_list.short_advice
             page.proposal.offer(text, edits, f"Fix {count}", short=short)
 

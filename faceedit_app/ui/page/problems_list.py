@@ -85,7 +85,7 @@ class ProblemsList(QWidget):
 
     Its tick says whether to fix it with the others.
 
-    Ticks are kept when the take is searched again. While the list is seen, the fixes are tried, and
+    Ticks are kept until another take is opened. While the list is seen, the fixes are tried, and
     what they would make is shown.
 
     Signals:
@@ -162,21 +162,24 @@ class ProblemsList(QWidget):
 
     @property
     def advice(self) -> str:
-        """What to do with the ticks, for a proposal to fix all that are ticked."""
+        """What to do with the ticks, at the end of a sentence about the fixes that are shown."""
         if self.trials.is_trying:
             return "trying whether they make other problems…"
-        left_out = len(self.model.left_out)
+        unticked, left_out = len(self.model.unticked), len(self.model.left_out)
+        if not unticked:
+            return "untick those that you do not want."
+        why = "as the fix would make another problem"
+        more = f"{unticked} more {'is' if unticked == 1 else 'are'} not ticked"
         if not left_out:
-            return "untick those that you do not want"
-        verb = "is" if left_out == 1 else "are"
-        return f"{left_out} more {verb} not ticked, as the fix would make another problem"
+            return f"{more}."
+        return f"{more}, {why}." if left_out == unticked else f"{more}, {left_out} of them {why}."
 
     @property
     def short_advice(self) -> str:
         """The same in few words."""
-        left_out = len(self.model.left_out)
-        if left_out:
-            return f"Fixes shown; {left_out} not ticked: see the list"
+        unticked = len(self.model.unticked)
+        if unticked:
+            return f"Fixes shown; {unticked} not ticked: see the list"
         return "Untick those that you do not want"
 
     def _shown_time(self, seconds: float) -> str:
@@ -185,6 +188,8 @@ class ProblemsList(QWidget):
 
     def sync(self) -> None:
         """Show what was found, and which problem is at the playhead."""
+        if not self._bar.is_searched:
+            self.model.forget_ticks()  # they are of another take
         if self._bar.problems is not self._shown:
             self._shown = self._bar.problems
             self._fill_kinds()

@@ -32,7 +32,8 @@ class ProblemsModel(QAbstractTableModel):
     """Problems with ticks, sorted by a column.
 
     A problem whose fix would make another one is ticked only if the user does it, unless the other
-    is far smaller. Ticks are kept when the take is searched again.
+    is far smaller. What the user ticks or unticks stays so, also if the problem comes back, as when
+    an edit that makes it is undone and made again.
 
     Signals:
         ticked(): a tick was set or removed.
@@ -74,15 +75,24 @@ class ProblemsModel(QAbstractTableModel):
         return brought is None or is_worth(problem, brought)
 
     @property
-    def left_out(self) -> tuple[Problem, ...]:
-        """The problems in the list that are not ticked because of what their fixes would make."""
+    def unticked(self) -> tuple[Problem, ...]:
+        """The problems in the list that can be fixed and are not ticked."""
         shown = (self._problems[number] for number in sorted(self._order))
-        return tuple(p for p in shown if not (self._is_harmless(p) or self.is_ticked(p)))
+        return tuple(problem for problem in shown if problem.fix and not self.is_ticked(problem))
+
+    @property
+    def left_out(self) -> tuple[Problem, ...]:
+        """Those of them that are not ticked because of what their fixes would make."""
+        return tuple(problem for problem in self.unticked if not self._is_harmless(problem))
 
     def tick(self, problems: Iterable[Problem], on: bool) -> None:
         """Set or remove the ticks of problems."""
         self._by_hand |= {_key(problem): on for problem in problems if problem.fix}
         self._say_ticked()
+
+    def forget_ticks(self) -> None:
+        """Leave all ticks to what the fixes would make."""
+        self._by_hand = {}
 
     def show_brought(self, brought: Brought) -> None:
         """Say what fixes would make, and tick those that do more good than harm."""
@@ -109,8 +119,6 @@ class ProblemsModel(QAbstractTableModel):
         """Show problems of one kind, or all if None."""
         self.beginResetModel()
         self._problems = problems
-        known = {_key(problem) for problem in problems}
-        self._by_hand = {key: on for key, on in self._by_hand.items() if key in known}
         still = {*problems} & self._brought.keys()
         self._brought = {problem: self._brought[problem] for problem in still}
         self._order = [i for i, found in enumerate(problems) if kind is None or found.kind == kind]
