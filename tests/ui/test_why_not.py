@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QWidget
 from support.character_files import write_glb
 from support.films import make_film
 from support.media import FakeOutput, settle
+from support.waiting import run_events
 from support.windows import Bench, add_edit, editor_of, session_of, trigger
 
 from faceedit_app.characters.fitted import fit
@@ -125,3 +126,31 @@ def test_what_does_nothing_says_what_to_do(bench: Bench, command: str) -> None:
     editor_of(window).curves._mouse.focused = None
     trigger(window, command)
     assert window.status.currentMessage()
+
+
+def test_a_key_says_why_its_command_is_not_possible_wherever_the_focus_is(bench: Bench) -> None:
+    window = bench.editing()
+    add_edit(window)
+    add_edit(window, 3.0)
+    window.activateWindow()
+    run_events()
+    editor = editor_of(window)
+    reason = window.actions_["fix_problem"].data()
+    assert reason
+    edits = editor.edits.list
+    for focus in (editor.curves, edits, editor.transport.speed, editor.settings_bar.exactness):
+        focus.setFocus()
+        window.status.clearMessage()
+        before = edits.currentIndex().row()
+        QTest.keyClick(focus, Qt.Key.Key_P)
+        assert focus.hasFocus()
+        assert window.status.currentMessage() == reason, focus
+        assert edits.currentIndex().row() == before, "the list looks for nothing"
+    trigger(window, "all_channels")
+    assert editor.channels is not None
+    search = editor.channels.search
+    search.setFocus()
+    window.status.clearMessage()
+    QTest.keyClick(search, Qt.Key.Key_P)
+    assert search.text() == "p", "what is typed belongs to a field"
+    assert not window.status.currentMessage()

@@ -78,9 +78,11 @@ class KeyArbiter(QObject):
             return self._override(event)
         if kind in (QEvent.Type.KeyPress, QEvent.Type.KeyRelease) and isinstance(event, QKeyEvent):
             is_down = kind == QEvent.Type.KeyPress
+            if self._glance(event, is_down):
+                return True
             if is_down and watched is self._window:  # no widget wanted it
                 self._explain(event)
-            return self._glance(event, is_down)
+            return is_down and _would_search(watched, event) and self._explain(event)
         if kind == QEvent.Type.WindowDeactivate and watched is self._window:
             self._hold(False)
         elif kind == QEvent.Type.WindowActivate and watched is self._window:
@@ -102,11 +104,16 @@ class KeyArbiter(QObject):
             return True
         return False
 
-    def _explain(self, event: QKeyEvent) -> None:
-        """Say why the command of a key is not possible; Enter also ends what is typed."""
+    def _explain(self, event: QKeyEvent) -> bool:
+        """Say why the command of a key is not possible; Enter also ends what is typed.
+
+        Returns:
+            Whether the key has such a command.
+        """
         why_not = "" if event.key() in ENTER else self._actions.why_not(event)
         if why_not:
             self._say(why_not)
+        return bool(why_not)
 
     def _glance(self, event: QKeyEvent, down: bool) -> bool:
         if event.key() != GLANCE or event.isAutoRepeat():
@@ -130,6 +137,11 @@ class KeyArbiter(QObject):
             return None
         focus = QApplication.focusWidget() or self._window
         return focus if focus.window() is self._window else None
+
+
+def _would_search(watched: QObject, event: QKeyEvent) -> bool:
+    """Whether a list or a choice would look for a row that begins with a letter."""
+    return isinstance(watched, QComboBox | QAbstractItemView) and event.text().isalnum()
 
 
 def _takes_space(widget: QWidget) -> bool:
