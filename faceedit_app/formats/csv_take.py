@@ -20,7 +20,6 @@ from faceedit_app.formats.csv_table import (
     Table,
     TableRows,
     first_rows,
-    plain_text,
     read_table,
 )
 from faceedit_app.formats.files import LONGEST_NAME, shown
@@ -37,6 +36,7 @@ from faceedit_app.formats.lost_faces import (
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.rotations import all_rotations, found_rotations
+from faceedit_app.formats.several_faces import likely_face, named_face
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
@@ -44,7 +44,6 @@ from faceedit_app.formats.timecode_readings import OWN_BASE_NOTES
 from faceedit_app.formats.timing import NoTimes, of_pictures
 from faceedit_app.formats.weights import PERCENT
 
-_FACES = ("faceid", "faceindex", "faceidx", "facenumber", "face", "person", "personid", "subjectid")
 _TICKS = (1e3, 1e6, 1e7, 1e9)  # of a second, in units that files use
 _ROUNDED = 0.02  # relative error of a few of them
 _FEWEST_TIMES = 8  # that run forward in a column whose name does not say that it has times
@@ -149,6 +148,17 @@ class _Places:
         last = (self.first, self.rate, self.confidence, self.flag)
         return [*self.clocks, *self.turns.values(), *(place for place in last if place is not None)]
 
+    def others(self, table: Table, channels: Columns) -> list[int]:
+        """The columns that are none of these and no channels."""
+        known = {*self.clocks, *self.turns.values(), self.rate, self.confidence, self.flag}
+        return [k for k in range(len(table.names)) if k not in known and k not in channels.indices]
+
+    def read(self, table: Table, channels: Columns) -> TableRows:
+        """The rows of a table, without those at the end that are none."""
+        rows = table.read(self.texts, channels.indices, self.flag)
+        count = count_without_footer(rows.texts, rows.lost)
+        return replace(rows, texts=rows.texts[:count], lost=rows.lost[:count])
+
     def cells(self, rows: TableRows, column: int) -> list[str]:
         """The texts of the frames in one of these columns."""
         place = self.texts.index(column)
@@ -173,9 +183,13 @@ def csv_take(
         FileError: it has no channels, or is damaged.
     """
     found = find_channels(table, naming or naming_of(table.names))
-    table, faces = _one_face(table)
+    table, faces = named_face(table)
     places = _Places.of(table, found)
-    rows = _without_footer(table.read(places.texts, found.indices, places.flag))
+    rows = places.read(table, found)
+    if table.face is None:
+        others = places.others(table, found)
+        table, faces = likely_face(table, places.clocks, others, rows)
+        rows = rows if table.face is None else places.read(table, found)
     empty = np.all(np.isnan(rows.numbers), axis=0)
     columns = found.without(empty.tolist())
     times = _times(table, places, rows)
@@ -216,11 +230,6 @@ def csv_take(
     return replace(take, lost_rows=LostRows(_positions(rows)))
 
 
-def _without_footer(rows: TableRows) -> TableRows:
-    count = count_without_footer(rows.texts, rows.lost)
-    return replace(rows, texts=rows.texts[:count], lost=rows.lost[:count])
-
-
 def _source(
     table: Table, columns: Columns, places: _Places, rows: TableRows, times: RowTimes
 ) -> Callable[..., CsvSource]:
@@ -246,26 +255,6 @@ def _positions(rows: TableRows) -> tuple[float, ...]:
     counts = np.bincount(before)
     place = np.arange(len(lost)) - np.searchsorted(before, before)
     return tuple((before + (place + 1) / (counts[before] + 1)).tolist())
-
-
-def _one_face(table: Table) -> tuple[Table, tuple[str, ...]]:
-    """The table without the rows of other faces than the first, with a note about them.
-
-    A tracker may also number a face that it has found again; then no time comes twice.
-    """
-    column = next((k for k, name in enumerate(table.names) if letters(name) in _FACES), None)
-    clocks = [k for k in time_columns(table.names) if k != column]
-    if column is None or not clocks:
-        return table, ()
-    needed = max(column, clocks[0])
-    rows = [cells for _, cells in table.rows() if len(cells) > needed]
-    faces = [plain_text(cells[column]) for cells in rows]
-    moments = {cells[clocks[0]] for cells in rows}
-    if len(set(faces)) < 2 or len(moments) == len(rows):
-        return table, ()
-    name, first = shown(table.names[column]), next(filter(None, faces), "")
-    note = f"has rows of {len(set(faces))} faces: those with {shown(first)} as {name} are read"
-    return replace(table, face=(column, first)), (note,)
 
 
 def _times(table: Table, places: _Places, rows: TableRows) -> RowTimes:
@@ -382,6 +371,7 @@ def _count_notes(table: Table, places: _Places, rows: TableRows) -> tuple[str, .
         return ()
     # The tracker's confidence stands after what is counted.
     values = len(table.names) - 2 - (table.names[-1].lower() == CONFIDENCE)
+    values -= table.face is not None and table.face[0] < places.said  # nor is whose they are
     said = {text.removesuffix(".0") for text in places.cells(rows, places.said)}
     wrong = [shown(text) for text in sorted(said - {str(values)})]
     if not wrong:

@@ -18,6 +18,7 @@ from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, NumberPlace, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.lost_faces import CONFIDENCE, is_flag, says_lost
+from faceedit_app.formats.several_faces import names_faces, take_turns
 from faceedit_app.formats.time_columns import time_columns
 from faceedit_app.formats.timecode import is_timecode
 
@@ -54,7 +55,9 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         return None
     (keys, entries), faces = _of_one_face(found, naming)
     faces = faces or _other_lists(text.document, found, naming)
-    entries = entries if keys else _without_ends(entries, naming)
+    if not keys:
+        entries, numbered = _of_first_face(text, _without_ends(entries, naming))
+        faces = (*faces, *numbered)
     sets = [list(_sets(entry, naming)) for entry in entries]
     weights = [_merged(one) for one in sets]
     lost = [_is_lost(text, entry) for entry in entries]
@@ -107,6 +110,16 @@ def _of_one_face(found: FrameList, naming: Naming) -> tuple[FrameList, tuple[str
         return found, ()
     note = f"holds the frames of {len(entries)} faces or takes: the first are read"
     return own, (note,) if len(entries) > 1 else ()
+
+
+def _of_first_face(text: JsonText, entries: Sequence[Any]) -> tuple[Sequence[Any], tuple[str, ...]]:
+    """The entries without those of other faces, if faces that are numbered take turns."""
+    key = next((key for key in as_object(entries[0]) if names_faces(key)), None)
+    labels = [] if key is None else [_text_of(text, as_object(e).get(key)) for e in entries]
+    if not take_turns(labels):
+        return entries, ()
+    of_first = [entry for entry, one in zip(entries, labels, strict=True) if one == labels[0]]
+    return of_first, (f"has frames of {len(set(labels))} faces: those of the first are read",)
 
 
 def _other_lists(document: Any, found: FrameList, naming: Naming) -> tuple[str, ...]:

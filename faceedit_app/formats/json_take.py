@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arkit import ROTATION_INDEX, ROTATIONS
-from faceedit_app.core.arrays import Indices
+from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
 from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Places, as_list
 from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
 from faceedit_app.formats.rotations import all_rotations, found_rotations
+from faceedit_app.formats.several_faces import faces_in
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import number_times, text_times
 from faceedit_app.formats.timecode import BadTimecode
@@ -86,6 +87,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     kept = np.flatnonzero(~lost)
     places = np.ascontiguousarray(places[np.ix_(kept, filled)])
     sure_places = _sure_places(text, frames, kept)
+    _check_one_face(text, frames, kept, values[np.ix_(kept, filled)])
     turned = found_rotations(frames.names)
     turn_places = _places(text, frames, list(turned.values()))[kept]
     rotations = all_rotations(text.look_up(turn_places), tuple(turned))
@@ -154,6 +156,19 @@ def _sure_places(text: JsonText, frames: JsonFrames, kept: Indices) -> Places | 
         return None
     entries = [frames.sure[row] for row in kept.tolist()]
     return text.places(entries) if all(isinstance(one, NumberPlace) for one in entries) else None
+
+
+def _check_one_face(text: JsonText, frames: JsonFrames, kept: Indices, values: Doubles) -> None:
+    """Refuse frames of several faces, each of which has the time of another."""
+    times = [frames.times[row] for row in kept.tolist()] if frames.times else []
+    numbers = [text.number(entry) for entry in times]
+    moments = [str(t) if n is None else n for t, n in zip(times, numbers, strict=True)]
+    count = faces_in(moments, values)
+    if count:
+        row = next(k for k in range(1, len(moments)) if moments[k] == moments[k - 1])
+        place = int(times[row]) if isinstance(times[row], NumberPlace) else -1
+        problem = f"frames {kept[row]} and {kept[row] + 1} have the same time, of {count} faces"
+        raise text.error(problem, 'keep one face, or number them in a field "face_id"', place)
 
 
 def _all_turns(places: Places, names: Sequence[str]) -> Places:
