@@ -26,6 +26,7 @@ from faceedit_app.formats.numbers import (
     kept_text,
     shortest,
 )
+from faceedit_app.formats.rotations import DEGREES, in_degrees
 
 _FORMAT_SAMPLE = 200  # rows from which the number format is learned
 
@@ -81,6 +82,7 @@ class CsvSource:
         columns: (K) the columns of its channels.
         scale: the value of a full blendshape in the file.
         turns: the columns of the rotations that it has, by their names.
+        degrees: the names of the rotations that the file has in degrees, not radians.
         lost: (L) the lines without a face that lie between frames.
         flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
@@ -95,6 +97,7 @@ class CsvSource:
     columns: Sequence[int]
     scale: float = 1.0
     turns: Mapping[str, int] = field(default_factory=dict)
+    degrees: frozenset[str] = frozenset()
     lost: Sequence[int] = ()
     flag: int | None = None
     confidence: int | None = None
@@ -111,9 +114,17 @@ class CsvSource:
 
     def rotated(self, tracked: Floats, edited: Floats) -> CsvSource:
         """The source with other rotations; see `take.RotatingSource.rotated`."""
-        which, columns = [ROTATION_INDEX[name] for name in self.turns], list(self.turns.values())
-        lines = tuple(self._lines(columns, 1.0, tracked[:, which], edited[:, which]))
-        return replace(self, table=replace(self.table, lines=lines))
+        now = self
+        for unit, names in ((1.0, [*self.turns]), (DEGREES, [*self.turns])):
+            names = [name for name in names if self.turn_unit(name) == unit]
+            which, columns = [ROTATION_INDEX[n] for n in names], [self.turns[n] for n in names]
+            lines = tuple(now._lines(columns, unit, tracked[:, which], edited[:, which]))
+            now = replace(now, table=replace(self.table, lines=lines))
+        return now
+
+    def turn_unit(self, name: str) -> float:
+        """What the file has for a radian of one of its rotations."""
+        return DEGREES if name in self.degrees else 1.0
 
     def as_sure(self, tracked: Floats, edited: Floats) -> CsvSource:
         """The source with other confidence; see `take.SureSource.as_sure`."""
@@ -134,9 +145,7 @@ class CsvSource:
         out = list(self.table.lines)
         if len(touched):
             write = self.writer(columns, scale)
-            for row, numbers in zip(
-                touched.tolist(), shortest(edited[touched]) * scale, strict=True
-            ):
+            for row, numbers in zip(touched.tolist(), in_unit(edited[touched], scale), strict=True):
                 line = self.lines[row]
                 cells = self.table.cells(line)
                 for k in np.flatnonzero(changed[row]).tolist():
@@ -197,7 +206,7 @@ class CsvSource:
         """What writes a number as the file writes those in some columns.
 
         Args:
-            scale: the value of a full blendshape, 1 for other numbers.
+            scale: the value of a full blendshape or of a radian, 1 for other numbers.
         """
         write, decimal = self._form(columns, scale).write, self.table.decimal
         return lambda number: write(number).replace(b".", decimal)
@@ -208,6 +217,11 @@ class CsvSource:
             cells = self.table.cells(line)
             for column in columns:
                 yield bare(cells[column]).replace(self.table.decimal, b".")
+
+
+def in_unit(values: Floats, scale: float) -> Doubles:
+    """Numbers as a file has them, where `scale` stands for 1: a full blendshape, or a radian."""
+    return in_degrees(values) if scale == DEGREES else shortest(values) * scale
 
 
 def _replaced(cell: bytes, number: bytes) -> bytes:

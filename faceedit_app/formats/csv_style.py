@@ -22,6 +22,7 @@ from faceedit_app.formats.encodings import RecodedSource
 from faceedit_app.formats.files import BOM
 from faceedit_app.formats.lost_faces import CONFIDENCE, is_count
 from faceedit_app.formats.numbers import shortest
+from faceedit_app.formats.rotations import DEGREES, in_degrees
 from faceedit_app.formats.take import Source
 from faceedit_app.formats.timecode import start_of_day
 from faceedit_app.formats.timecode_style import TimecodeStyle, style_of
@@ -140,12 +141,18 @@ def _rotations(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_C
     if clip.rotations is None:
         return []
     own, columns = source.turns, []
-    write = source.writer(list(own.values()), 1.0) if own else None
+    alike = {
+        unit: [place for name, place in own.items() if source.turn_unit(name) == unit]
+        for unit in map(source.turn_unit, own)
+    }
+    writers = {unit: source.writer(places, unit) for unit, places in alike.items()}
     for name in clip.rotation_names:
         numbers = clip.rotations[:, ROTATION_INDEX[name]]
-        if write is not None and name in own:
-            place, cells = own[name], [write(number) for number in numbers.tolist()]
-            columns.append(_Column(place, names[place], cells, numbers))
+        if name in own:
+            place, unit = own[name], source.turn_unit(name)
+            written = in_degrees(numbers) if unit == DEGREES else numbers
+            cells = [writers[unit](number) for number in written.tolist()]
+            columns.append(_Column(place, names[place], cells, numbers, unit))
         else:
             texts = (f"{number:.6f}".encode() for number in numbers.tolist())
             cells = [text.replace(b".", source.table.decimal) for text in texts]

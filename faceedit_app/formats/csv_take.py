@@ -35,7 +35,7 @@ from faceedit_app.formats.lost_faces import (
 )
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
-from faceedit_app.formats.rotations import all_rotations, found_rotations
+from faceedit_app.formats.rotations import Turned, found_rotations, read_rotations
 from faceedit_app.formats.several_faces import likely_face, named_face
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
@@ -201,6 +201,7 @@ def csv_take(
         timing = of_pictures(timing, frames, OWN_BASE_NOTES)
     stated = rate_in_table(table, partial(places.cells, rows))
     scale, scale_notes = _scale(table, columns, rows)
+    turned = _rotations(table, places, rows)
     recording = Recording(
         path=table.path,
         format=name or _NAMES[times.kind],
@@ -216,14 +217,15 @@ def csv_take(
             *_empty_notes(found, columns),
             *_nameless_notes(table, rows, [k for k, name in carried.items() if not name]),
             *scale_notes,
+            *turned.notes,
             *_count_notes(table, places, rows),
         ),
-        rotations=_rotations(places, rows),
+        rotations=turned.rotations,
         rotation_names=tuple(places.turns),
         confidence=_confidence(places, rows),
         scale=scale,
     )
-    source = _source(table, columns, places, rows, times)
+    source = partial(_source(table, columns, places, rows, times), degrees=turned.degrees)
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:
         return take
@@ -322,13 +324,15 @@ def _ticks(places: _Places, rows: TableRows, times: RowTimes) -> tuple[int, floa
     return None if ticks is None else (times.column, ticks)
 
 
-def _rotations(places: _Places, rows: TableRows) -> Floats | None:
-    """(T, 9) as in `Clip.rotations`; None if there are none, or a cell is not a number."""
+def _rotations(table: Table, places: _Places, rows: TableRows) -> Turned:
+    """The rotations; none if a cell is not a number."""
     try:
         cells = [places.cells(rows, column) for column in places.turns.values()]
-        return all_rotations(np.array(cells, np.float64).T, tuple(places.turns))
+        values = np.array(cells, np.float64).T
     except ValueError:
-        return None
+        return Turned()
+    own = [table.names[column] for column in places.turns.values()]
+    return read_rotations(values, tuple(places.turns), own, lambda row, _: rows.lines[row] + 1)
 
 
 def _confidence(places: _Places, rows: TableRows) -> Floats | None:

@@ -17,7 +17,7 @@ from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
 from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Places, as_list
 from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
-from faceedit_app.formats.rotations import all_rotations, found_rotations
+from faceedit_app.formats.rotations import found_rotations, read_rotations
 from faceedit_app.formats.several_faces import faces_in
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import number_times, text_times
@@ -90,7 +90,12 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     _check_one_face(text, frames, kept, values[np.ix_(kept, filled)])
     turned = found_rotations(frames.names)
     turn_places = _places(text, frames, list(turned.values()))[kept]
-    rotations = all_rotations(text.look_up(turn_places), tuple(turned))
+    found = read_rotations(
+        text.look_up(turn_places),
+        tuple(turned),
+        [str(frames.names[k]) for k in turned.values()],
+        lambda frame, k: text.line(int(turn_places[frame, k])),
+    )
     used = {columns[channel] for channel in channels}
     recording = Recording(
         path=text.path,
@@ -107,8 +112,8 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
             ),
             *(() if sure_places is None else (CONFIDENCE,)),
         ),
-        notes=frames.notes,
-        rotations=rotations,
+        notes=(*frames.notes, *found.notes),
+        rotations=found.rotations,
         rotation_names=tuple(turned),
         confidence=None if sure_places is None else confidence_of(text.look_up(sure_places)),
     )
@@ -117,7 +122,8 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
         text,
         places,
         sure_places=sure_places,
-        turn_places=None if rotations is None else _all_turns(turn_places, tuple(turned)),
+        turn_places=None if found.rotations is None else _all_turns(turn_places, tuple(turned)),
+        degrees=found.degrees,
     )
     return finish_take(recording, fps, source, lambda frame, k: text.line(int(places[frame, k])))
 

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from faceedit_app.core.arkit import ROTATIONS
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.files import BOM, check_text
@@ -30,6 +31,7 @@ from faceedit_app.formats.numbers import (
     kept_text,
     shortest,
 )
+from faceedit_app.formats.rotations import in_degrees
 
 # Strings are matched too, so that numbers inside them do not count.
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*"|(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)', re.DOTALL)
@@ -202,6 +204,7 @@ class JsonSource:
         sure: (T,) what is to be written there; NaN = what is there.
         turn_places: (T, 9) the numbers of the rotations; -1 if one is missing; None if all are.
         turns: (T, 9) radians to be written there; NaN = what is there.
+        degrees: the names of the rotations that the file has in degrees, not radians.
     """
 
     text: JsonText
@@ -211,6 +214,7 @@ class JsonSource:
     sure: Floats | None = None
     turn_places: Places | None = None
     turns: Floats | None = None
+    degrees: frozenset[str] = frozenset()
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
         """The whole file; see `take.Source.encode`."""
@@ -249,7 +253,9 @@ class JsonSource:
         if self.turns is not None and self.turn_places is not None:
             changed = np.isfinite(self.turns) & (self.turn_places >= 0)
             where = np.concatenate([where, self.turn_places[changed]])
-            numbers += [f"{value:.6f}".encode() for value in self.turns[changed].tolist()]
+            is_degrees = np.array([name in self.degrees for name in ROTATIONS])
+            turns = np.where(is_degrees, in_degrees(self.turns), self.turns)[changed]
+            numbers += [f"{value:.6f}".encode() for value in turns.tolist()]
         return where, numbers
 
     def as_written(self, weights: Floats) -> Doubles:

@@ -12,16 +12,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_CHANNELS
+from faceedit_app.core.arkit import ARKIT_CHANNELS, ROTATION_INDEX
 from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.files import BOM
+from faceedit_app.formats.rotations import found_rotations
 
 SECONDS = "time_s"  # the column of a plain CSV that scripts look for
 SIXTIETHS = 60  # the base that Unreal's importer assumes
 _OFF = 1e-4  # full blendshapes
 _LATE = 1e-3  # seconds
+_TURNED = 1e-3  # radians
 _FRAME = 1.25 / SIXTIETHS  # seconds by which whole frames of a timecode may be off
 _DAY = 86_400
 _NUMBER = re.compile(r" *[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)? *", re.ASCII)
@@ -46,6 +48,8 @@ def is_plain_livelink(content: bytes, clip: Clip) -> bool:
     others = [k for k, name in enumerate(header) if k and name not in names]
     if any(_numbers(rows, k) is None for k in others):
         return False
+    if not _has_radians(rows, clip):
+        return False
     late = (times - times[0] - clip.times + _DAY / 2) % _DAY - _DAY / 2
     return bool(np.abs(late).max() <= _FRAME) and _has(header, rows, names, clip.arkit_weights())
 
@@ -62,7 +66,7 @@ def is_plain_csv(content: bytes, clip: Clip) -> bool:
     if times is None or not 0 <= times[0] < _DAY:
         return False
     channels = [k for k, name in enumerate(rows[0]) if canonical_channel(name)]
-    if any(_numbers(rows, k) is None for k in channels):
+    if any(_numbers(rows, k) is None for k in channels) or not _has_radians(rows, clip):
         return False
     is_timed = bool(np.abs(times - times[0] - clip.times).max() <= _LATE)
     return is_timed and _has(rows[0], rows, clip.channels, clip.weights)
@@ -88,6 +92,17 @@ def _has(header: list[str], rows: list[list[str]], names: Sequence[str], weights
     for name, wanted in zip(names, weights.T, strict=True):
         found = _numbers(rows, header.index(name))
         if found is None or np.abs(found - wanted).max() > _OFF:
+            return False
+    return True
+
+
+def _has_radians(rows: list[list[str]], clip: Clip) -> bool:
+    """Whether the rotations of a table are those of a clip, and not in degrees."""
+    if clip.rotations is None:
+        return True
+    for name, column in found_rotations(rows[0]).items():
+        found, wanted = _numbers(rows, column), clip.rotations[:, ROTATION_INDEX[name]]
+        if found is None or np.abs(found - wanted).max() > _TURNED:
             return False
     return True
 
