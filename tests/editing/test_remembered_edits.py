@@ -20,7 +20,7 @@ RATE, FRAMES = 25.0, 500
 
 
 def test_the_edits_of_past_drags_are_forgotten() -> None:
-    chunks = Chunks(np.arange(FRAMES) / RATE, RATE, FRAMES)
+    chunks = Chunks(talking_clip(FRAMES, RATE), FRAMES)
     kept = Edit(("mouth_opening",), Op.OFFSET, 1.0, 2.0, 0.2, 3.0)
     past: list[weakref.ref[Edit]] = []
     expected = chunks.tasks([kept], Settings(), {})

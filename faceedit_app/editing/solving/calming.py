@@ -14,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles, Floats, Indices, Times
+from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Times
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.solving.bridging import smoothed_without
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.request import smoothing, smoothing_frames
 
@@ -34,7 +35,13 @@ class Calmed:
     columns: Indices
 
     def __call__(
-        self, edits: Sequence[Edit], times: Times, rate: float, weights: Floats, curves: Doubles
+        self,
+        edits: Sequence[Edit],
+        times: Times,
+        rate: float,
+        weights: Floats,
+        curves: Doubles,
+        far: Bools | None = None,
     ) -> tuple[Floats, Doubles]:
         """Smooth the region by those of the edits that smooth all of it.
 
@@ -45,6 +52,7 @@ class Calmed:
             times: (N,) seconds.
             rate: frames per second.
             weights, curves: (N, 52), and (N, C) mm, before these edits.
+            far: (N,) the frames that smooths leave out, see `bridging.py`; None = none.
 
         Returns:
             The same, smoothed; without any smooth, the same arrays.
@@ -63,7 +71,7 @@ class Calmed:
             elif edit in whole:
                 calm = _back(calm, recorded, back)
                 back[:] = 0.0
-                _smooth(calm, edit, times, rate)
+                _smooth(calm, edit, times, rate, far)
         calm = _back(calm, recorded, back)
         new_weights, new_curves = weights.copy(), curves.copy()
         count = len(self.columns)
@@ -75,15 +83,18 @@ class Calmed:
         return set(self.controls).issubset(edit.controls)
 
 
-def _smooth(values: Doubles, edit: Edit, times: Times, rate: float) -> None:
-    """Smooth values (N, V) by an edit, in place."""
+def _smooth(values: Doubles, edit: Edit, times: Times, rate: float, far: Bools | None) -> None:
+    """Smooth values (N, V) by an edit, in place; `far` as in `Calmed`."""
     around = smoothing_frames(edit, rate)
     first, last = edit.span
     rows = slice(*map(int, np.searchsorted(times, (first - 1e-9, last + 1e-9))))
     if not around or rows.start == rows.stop:
         return
     begin, end = max(rows.start - around, 0), min(rows.stop + around, len(times))
-    smooth = smoothed(values[begin:end], smoothing(edit) * rate)
+    left_out = None if far is None else far[begin:end]
+    smooth = smoothed_without(
+        values[begin:end], left_out, lambda kept: smoothed(kept, smoothing(edit) * rate)
+    )
     share = edit.mask(times[rows])[:, None] * min(edit.strength, 1.0)
     now = values[rows]
     values[rows] = now + share * (smooth[rows.start - begin : rows.stop - begin] - now)

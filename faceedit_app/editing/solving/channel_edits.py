@@ -19,6 +19,7 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.levels import softly_limited
 from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
 from faceedit_app.editing.edits.edit import Edit, Op
+from faceedit_app.editing.solving.bridging import Bridging, smoothed_without
 from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, FrameRange
 from faceedit_app.editing.solving.filters import smoothed
 from faceedit_app.editing.solving.neutral import keep_lips_together, without_rest
@@ -84,7 +85,7 @@ class ChannelEdits:
     """
 
     def __init__(self, clip: Clip, tracked: Floats) -> None:
-        self._times, self._rate = clip.times, clip.rate
+        self._times, self._rate, self._bridging = clip.times, clip.rate, Bridging(clip)
         self._has = channels_of(clip)
         turns = None if clip.rotations is None else clip.rotations[: len(tracked)]
         self._medians = np.median(self._values(tracked, turns), axis=0)
@@ -188,7 +189,7 @@ class ChannelEdits:
                 continue
             columns = [CHANNEL_INDEX[name] for name in edit.channels]
             now = result[rows][:, columns]
-            wanted = self._wanted(edit, result[:, columns], rows, times, columns)
+            wanted = self._wanted(edit, result[:, columns], rows, near, columns)
             mask = edit.mask(times[rows])[:, None]
             strength = min(edit.strength, 1.0) if edit.op in _TO_A_GOAL else edit.strength
             moved = now + mask * strength * (wanted - now)
@@ -201,7 +202,7 @@ class ChannelEdits:
         return result
 
     def _wanted(
-        self, edit: Edit, around: Doubles, rows: slice, times: Doubles, columns: list[int]
+        self, edit: Edit, around: Doubles, rows: slice, near: slice, columns: list[int]
     ) -> Doubles:
         """(N, K) what an edit at full strength makes of its channels on `rows`."""
         now = around[rows]
@@ -211,9 +212,9 @@ class ChannelEdits:
                 scaled: Doubles = middle + edit.value * (now - middle)
                 return scaled
             case Op.SMOOTH:
-                return self._smooth(edit, around, rows)
+                return self._smooth(edit, around, rows, near)
             case Op.DRAW:
-                drawn = np.interp(times[rows], *edit.polyline)
+                drawn = np.interp(self._times[near][rows], *edit.polyline)
                 return np.repeat(drawn[:, None], len(columns), axis=1)
             case Op.LIMIT:
                 return softly_limited(now, np.full(len(columns), edit.value))
@@ -227,13 +228,19 @@ class ChannelEdits:
             case _:
                 return now + edit.value
 
-    def _smooth(self, edit: Edit, around: Doubles, rows: slice) -> Doubles:
+    def _smooth(self, edit: Edit, around: Doubles, rows: slice, near: slice) -> Doubles:
         margin = smoothing_frames(edit, self._rate)
         if not margin:
             return around[rows]
-        first, last = max(rows.start - margin, 0), min(rows.stop + margin, len(around))
-        smooth = smoothed(around[first:last], smoothing(edit) * self._rate)
-        return smooth[rows.start - first : rows.stop - first]
+        bridged = self._bridging(near)
+        inner, shown = bridged.within(rows.start, rows.stop)
+        first, last = max(inner.start - margin, 0), min(inner.stop + margin, len(bridged.times))
+        smooth = smoothed_without(
+            bridged.wide(around)[first:last],
+            None if bridged.far is None else bridged.far[first:last],
+            lambda kept: smoothed(kept, smoothing(edit) * self._rate),
+        )
+        return smooth[inner.start - first : inner.stop - first][shown]
 
 
 # Operations that go to a goal: more than all the way would go beyond it.

@@ -14,11 +14,13 @@ from itertools import compress
 
 import numpy as np
 
-from faceedit_app.core.arrays import Bools, Indices, Times
+from faceedit_app.core.arrays import Bools, Indices
+from faceedit_app.core.clip import Clip
 from faceedit_app.core.controls import CONTROL_IDS
-from faceedit_app.core.resample import GRID_RATE, Resampling
+from faceedit_app.core.resample import GRID_RATE
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.solving.bridging import Bridging, Nearby
 from faceedit_app.editing.solving.recent import Recent
 from faceedit_app.editing.solving.request import active, affected, smoothing_frames
 
@@ -30,8 +32,8 @@ SLACK = 1e-9
 # Edits beside those of the list whose frames are cached; a drag makes a new edit with each move of
 # the mouse, and one that is drawn has hundreds of points, 30 kB.
 REMEMBERED = 32
-# Ways from frames to the grid and back that are kept: two for each chunk of a drag.
-REMEMBERED_WAYS = 8
+# Chunks of a drag whose frames, and the way from these to the grid and back, are kept.
+REMEMBERED_CHUNKS = 4
 
 FrameRange = tuple[int, int]  # the first frame, and the one after the last
 # The frames (first and stop, n each) that a fill or retime makes ranges of frames from.
@@ -69,8 +71,7 @@ class Chunks:
     """The chunks of one take.
 
     Args:
-        times: (T,) seconds of the frames.
-        rate: nominal frames per second.
+        clip: its times, rate and gaps.
         grid: the number of grid frames in the take.
         scale: the networks' input begins at a multiple of this many grid frames.
         context: grid frames on either side that an answer can depend on.
@@ -84,14 +85,14 @@ class Chunks:
 
     def __init__(
         self,
-        times: Times,
-        rate: float,
+        clip: Clip,
         grid: int,
         scale: int = 1,
         context: int = 0,
         reads: Reads | None = None,
     ) -> None:
-        self._times, self._rate = times, rate
+        times = clip.times
+        self._times, self._rate = times, clip.rate
         self._reads: Reads = reads or (lambda _edit, first, stop: (first, stop))
         length = -(-CHUNK // scale) * scale
         starts = length * np.arange(max(-(-grid // length), 1))
@@ -105,7 +106,8 @@ class Chunks:
         edges = (self.grid_ranges + np.array([-1, 0])) / GRID_RATE
         self._near = np.clip(np.searchsorted(times, edges) + np.array([-1, 1]), 0, len(times))
         self._spans: dict[Edit, EditFrames] = {}
-        self._ways = Recent[Resampling](REMEMBERED_WAYS)
+        self._bridging = Bridging(clip)
+        self._nearby = Recent[Nearby](REMEMBERED_CHUNKS)
 
     def __len__(self) -> int:
         return len(self.grid_ranges)
@@ -124,14 +126,17 @@ class Chunks:
         """A chunk's frames."""
         return slice(int(self.rows[chunk]), int(self.rows[chunk + 1]))
 
-    def resampling(self, chunk: int, rows: FrameRange) -> Resampling:
-        """From some frames to the grid frames that the networks answer for a chunk, and back."""
+    def nearby(self, task: ChunkTask) -> Nearby:
+        """The frames that a chunk is computed from, with their gaps bridged."""
 
-        def found() -> Resampling:
-            first, last = (int(i) for i in self.grid_ranges[chunk])
-            return Resampling(self._times[slice(*rows)], first, last)
+        def found() -> Nearby:
+            frames, rows = slice(*task.near), self.slice(task.chunk)
+            bridged, start = self._bridging(frames), frames.start
+            inner, shown = bridged.within(rows.start - start, rows.stop - start)
+            first, last = (int(i) for i in self.grid_ranges[task.chunk])
+            return Nearby(frames, bridged, inner, shown, (first, last))
 
-        return self._ways.to((chunk, rows), found)
+        return self._nearby.to((task.chunk, task.near), found)
 
     def tasks(
         self, edits: Sequence[Edit], settings: Settings, listening: Mapping[str, Iterable[str]]

@@ -98,20 +98,19 @@ class NetworkAnswers:
             begin: what the edits start from, on the N' frames near the task.
             change: (N', C) mm by which the controls that are asked for differ from it.
         """
-        rows, settings = self._chunks.slice(task.chunk), task.settings
-        near = task.near[0]
-        before = begin.weights[rows.start - near : rows.stop - near].astype(np.float64, order="F")
+        nearby, settings = self._chunks.nearby(task), task.settings
+        before = begin.weights[nearby.inner].astype(np.float64, order="F")
         begun = BegunAnswers(self._parts, before, settings.mode)
         heard = tuple(name for name in regions if not self._parts[name].is_optional)
         if self._answers is None or not heard:
             return begun
-        first, last = (int(i) for i in self._chunks.grid_ranges[task.chunk])
-        to_grid = self._chunks.resampling(task.chunk, task.near).to_grid
+        first, last = nearby.grid
+        to_grid = nearby.way.to_grid
         on_grid = self._grid[first:last] if begin.as_tracked else to_grid(begin.curves)
         edited = on_grid + to_grid(change)
         naturalness = settings.naturalness
         begun.edited = self._answers.begin(heard, (first, last), edited, naturalness)
-        begun.from_grid = self._chunks.resampling(task.chunk, (rows.start, rows.stop)).from_grid
+        begun.from_grid = nearby.back
         if settings.mode is not Mode.PRESERVE:
             return begun
         if begin.as_tracked:

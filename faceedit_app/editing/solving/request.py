@@ -10,6 +10,7 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Doubles, Times
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
+from faceedit_app.editing.solving.bridging import smoothed_without
 from faceedit_app.editing.solving.companions import Companions
 from faceedit_app.editing.solving.filters import gaussian
 
@@ -64,6 +65,7 @@ def request(
     companions: Companions | None = None,
     limits: tuple[Doubles, Doubles] | None = None,
     recorded: Doubles | None = None,
+    far: Bools | None = None,
 ) -> Request:
     """Apply `edits` in order to the tracked controls.
 
@@ -82,6 +84,7 @@ def request(
         limits: (C,) mm each, the lowest and highest values that the take and a face can have;
             None = 0 to `FARTHEST`.
         recorded: (N, C), mm, without fills and retimes; None = `tracked`.
+        far: (N,) the frames that smooths leave out, see `bridging.py`; None = none.
     """
     low, high = limits or (np.zeros(tracked.shape[1]), np.full(tracked.shape[1], FARTHEST))
     goal = recorded = tracked if recorded is None else recorded
@@ -102,7 +105,7 @@ def request(
         if edit.op is Op.RESET:
             goal = _goal_of_reset(acting[i + 1 :], times, tracked, recorded)
         for column in (CONTROL_INDEX[control] for control in edit.controls):
-            wanted = _wanted(edit, rows, times, curves, goal, medians, rate, column)
+            wanted = _wanted(edit, rows, times, curves, goal, medians, rate, column, far)
             now, least, most = curves[rows, column], low[column], high[column]
             wanted = np.clip(wanted, least, most)
             curves[rows, column] = np.where(
@@ -205,6 +208,7 @@ def _wanted(
     medians: Doubles,
     rate: float,
     column: int,
+    far: Bools | None,
 ) -> Doubles:
     """One curve with the edit at full strength, on `rows`."""
     curve = curves[rows, column]
@@ -218,7 +222,7 @@ def _wanted(
             scaled: Doubles = middle + edit.value * (curve - middle)
             return scaled
         case Op.SMOOTH:
-            return _smooth(curves[:, column], rows, edit, rate)
+            return _smooth(curves[:, column], rows, edit, rate, far)
         case Op.RESET:
             return recorded[rows, column]
         case Op.DRAW:
@@ -237,13 +241,19 @@ def smoothing_frames(edit: Edit, rate: float) -> int:
     return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where the kernel ends
 
 
-def _smooth(curve: Doubles, rows: slice, edit: Edit, rate: float) -> Doubles:
+def _smooth(
+    curve: Doubles, rows: slice, edit: Edit, rate: float, far: Bools | None
+) -> Doubles:
     """Zero-phase Gaussian on `rows`, from what surrounds them."""
     around = smoothing_frames(edit, rate)
     if not around:
         return curve[rows]
     first, last = max(rows.start - around, 0), min(rows.stop + around, len(curve))
-    smooth: Doubles = gaussian(curve[first:last], smoothing(edit) * rate)
+    smooth = smoothed_without(
+        curve[first:last],
+        None if far is None else far[first:last],
+        lambda kept: gaussian(kept, smoothing(edit) * rate),
+    )
     return smooth[rows.start - first : rows.stop - first]
 
 

@@ -29,6 +29,7 @@ from faceedit_app.editing.edits.edit import Edit
 from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.accompanying import across
 from faceedit_app.editing.solving.answerable import BY_REGION, find_lacks, without
+from faceedit_app.editing.solving.bridging import Nearby
 from faceedit_app.editing.solving.channel_edits import AnyTask, ChannelEdits, ChannelTask
 from faceedit_app.editing.solving.chunks import Chunks, ChunkTask
 from faceedit_app.editing.solving.closing import Closing
@@ -112,7 +113,7 @@ class Solver:
         self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
         self.chunks = Chunks(
-            clip.times, clip.rate, len(self.grid), scale, context, self._fills.reads
+            clip, len(self.grid), scale, context, self._fills.reads
         )
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
@@ -269,18 +270,18 @@ class Solver:
 
     def _answered(self, task: ChunkTask) -> Patch:
         """Answer the curves of one chunk."""
-        rows, near = self.chunks.slice(task.chunk), slice(*task.near)
-        inner = slice(rows.start - near.start, rows.stop - near.start)
-        filled = self._starts.filled(task)
-        asked = self._request(task, filled)
+        rows, nearby = self.chunks.slice(task.chunk), self.chunks.nearby(task)
+        inner, shown = nearby.inner, nearby.shown
+        filled = self._starts.filled(task, nearby)
+        asked = self._request(task, filled, nearby)
         mine = asked.at(inner)
         regions = (part.calmed(self._mute) for part in self._parts.values())
-        start = self._starts.calmed(filled, task, regions)
+        start = self._starts.calmed(filled, task, nearby, regions)
         weights = start.weights[inner].astype(np.float64, order="F")
         influences = self._regions.influences(task, mine)
         if influences or any(mine.influence[:, one.column].any() for one in self._sideways):
             before = weights.copy(order="F")
-            change = self._wanted_change(asked, start.curves, task)
+            change = self._wanted_change(asked, start.curves, task, nearby)
             change = start.without_twitches(change, asked.calm, self.clip.rate)
             for one in self._sideways:
                 one.move(weights, change[inner], mine.hold)
@@ -288,31 +289,35 @@ class Solver:
             if task.settings.mode is Mode.PRESERVE:
                 for each in self._across:
                     each.join(weights, before, mine.hold, mine.calm)
-        result = weights.astype(np.float32)
+        result = weights[shown].astype(np.float32)
         if self._closing is not None and task.settings.closes:
-            share = {name: influence.max(axis=1) for name, influence in influences.items()}
+            share = {name: each[shown].max(axis=1) for name, each in influences.items()}
             result = self._closing(result, share)
         result = rounded(result, self.tracked[rows])
         controls = self._starts.measured(result, self.tracked[rows], self.controls[rows])
-        turned = self._fills.turned(task.edits, near, rows)
-        started = filled.curves[inner].astype(np.float32)
-        return Patch(mine.curves.astype(np.float32), result, controls, turned, started)
+        turned = self._fills.turned(task.edits, nearby.frames, rows)
+        asked_for, started = (
+            curves[shown].astype(np.float32) for curves in (mine.curves, filled.curves[inner])
+        )
+        return Patch(asked_for, result, controls, turned, started)
 
-    def _request(self, task: ChunkTask, filled: Start) -> Request:
+    def _request(self, task: ChunkTask, filled: Start, nearby: Nearby) -> Request:
         """What the edits of a chunk ask for, on the frames near it."""
-        near = slice(*task.near)
         return request(
-            self.clip.times[near],
+            nearby.times,
             self.clip.rate,
             filled.curves,
             self.medians,
             task.edits,
             self._companions,
             self._limit_arrays,
-            self.controls[near].astype(np.float64),
+            self._starts.recorded(nearby)[1].astype(np.float64),
+            nearby.bridged.far,
         )
 
-    def _wanted_change(self, asked: Request, tracked: Doubles, task: ChunkTask) -> Doubles:
+    def _wanted_change(
+        self, asked: Request, tracked: Doubles, task: ChunkTask, nearby: Nearby
+    ) -> Doubles:
         """(N, C) mm: the change that is asked for, limited to what faces do or this take does.
 
         Curves that nobody asked for take the most probable change, see `completing.py`.
@@ -326,11 +331,18 @@ class Solver:
         for part in self._parts.values():
             own = part.own_columns
             if len(own) and not (part.is_optional and not asked.hold[:, own].any()):
-                change[:, own] = self._completed(part, task, asked, tracked[:, own], change[:, own])
+                at = tracked[:, own], change[:, own]
+                change[:, own] = self._completed(part, task, nearby, asked, *at)
         return change
 
     def _completed(
-        self, part: TakeRegion, task: ChunkTask, asked: Request, tracked: Doubles, change: Doubles
+        self,
+        part: TakeRegion,
+        task: ChunkTask,
+        nearby: Nearby,
+        asked: Request,
+        tracked: Doubles,
+        change: Doubles,
     ) -> Doubles:
         """(N, C) mm: a change of a region's own curves, with that of those not asked for."""
         own = part.own_columns
@@ -339,7 +351,6 @@ class Solver:
         if part.completing is None or task.settings.mode is not Mode.PRESERVE or not hold.any():
             return filled
         firm = np.maximum(hold - asked.calm[:, own].max(axis=1, keepdims=True), 0.0)
-        times = self.clip.times[slice(*task.near)]
-        way = self.chunks.resampling(task.chunk, task.near)
         given = part.expectation.given(change, hold > 0)
-        return filled + part.completing.further(times, way, tracked, filled, given, firm)
+        to = nearby.times, nearby.way
+        return filled + part.completing.further(*to, tracked, filled, given, firm)

@@ -15,13 +15,17 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.rig import Distances
 from faceedit_app.editing.edits.edit import OF_THE_TAKE
 from faceedit_app.editing.edits.settings import Mode
+from faceedit_app.editing.solving.bridging import Nearby
 from faceedit_app.editing.solving.calming import Calmed
 from faceedit_app.editing.solving.chunks import ChunkTask
 from faceedit_app.editing.solving.fills import Fills
 from faceedit_app.editing.solving.filters import smoothed
+from faceedit_app.editing.solving.recent import Recent
 
 # Seconds: what calm channels lack of calm curves is brought only as far as it lasts longer.
 LASTS = 0.16
+# Chunks with gaps whose frames, bridged, are kept.
+REMEMBERED = 4
 
 
 @dataclass(frozen=True)
@@ -69,29 +73,47 @@ class Starts:
     def __init__(
         self, clip: Clip, tracked: Floats, controls: Floats, distances: Distances, fills: Fills
     ) -> None:
-        self._times, self._rate, self._fills = clip.times, clip.rate, fills
+        self._rate, self._fills = clip.rate, fills
         self._tracked, self._controls, self._distances = tracked, controls, distances
+        self._bridged = Recent[tuple[Floats, Floats]](REMEMBERED)
 
-    def filled(self, task: ChunkTask) -> Start:
+    def recorded(self, nearby: Nearby) -> tuple[Floats, Floats]:
+        """(N', 52), and (N', C) mm: the take as tracked on the frames near a chunk."""
+        tracked, controls = self._tracked[nearby.frames], self._controls[nearby.frames]
+        bridged = nearby.bridged
+        if isinstance(bridged.own, slice):
+            return tracked, controls
+
+        def found() -> tuple[Floats, Floats]:
+            wide, curves = bridged.wide(tracked), bridged.wide(controls)
+            added = np.ascontiguousarray(wide[bridged.added])
+            curves[bridged.added] = self._distances.measure(added)
+            return wide, curves
+
+        return self._bridged.to((nearby.frames.start, nearby.frames.stop), found)
+
+    def filled(self, task: ChunkTask, nearby: Nearby) -> Start:
         """The take with fills and retimes, on the frames near a chunk."""
-        near = slice(*task.near)
-        tracked, controls = self._tracked[near], self._controls[near]
+        tracked, controls = self.recorded(nearby)
         if not any(edit.op in OF_THE_TAKE for edit in task.edits):
             return Start(tracked, controls.astype(np.float64, order="F"), as_tracked=True)
-        weights = self._fills.applied(task.edits, near)
+        weights = nearby.bridged.wide(self._fills.applied(task.edits, nearby.frames))
         curves = self.measured(weights, tracked, controls).astype(np.float64, order="F")
         return Start(weights, curves)
 
-    def calmed(self, start: Start, task: ChunkTask, regions: Iterable[Calmed]) -> Start:
+    def calmed(
+        self, start: Start, task: ChunkTask, nearby: Nearby, regions: Iterable[Calmed]
+    ) -> Start:
         """The same with smooths of all curves of a region, see `calming.py`.
 
         Resynthesized regions are smoothed by their curves alone.
         """
         if task.settings.mode is Mode.RESYNTHESIZE:
             return start
-        weights, calm, times = start.weights, start.curves, self._times[slice(*task.near)]
+        weights, calm = start.weights, start.curves
+        times, far = nearby.times, nearby.bridged.far
         for region in regions:
-            weights, calm = region(task.edits, times, self._rate, weights, calm)
+            weights, calm = region(task.edits, times, self._rate, weights, calm, far)
         if weights is start.weights:
             return start
         known = start.curves.astype(np.float32)
