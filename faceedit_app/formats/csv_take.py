@@ -40,6 +40,7 @@ from faceedit_app.formats.several_faces import likely_face, named_face
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.timecode import is_timecode
 from faceedit_app.formats.timecode_readings import OWN_BASE_NOTES
 from faceedit_app.formats.timing import NoTimes, of_pictures
 from faceedit_app.formats.weights import PERCENT
@@ -229,7 +230,7 @@ def csv_take(
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
     if not rows.lost_lines:
         return take
-    return replace(take, lost_rows=LostRows(_positions(rows)))
+    return replace(take, lost_rows=_lost_rows(places, rows, times))
 
 
 def _source(
@@ -251,12 +252,18 @@ def _source(
     )
 
 
-def _positions(rows: TableRows) -> tuple[float, ...]:
-    """Where the rows `lost_lines` lie, in frames: evenly between the frames around them."""
+def _lost_rows(places: _Places, rows: TableRows, times: RowTimes) -> LostRows:
+    """The rows `lost_lines`: evenly between the frames around them."""
     lost, before = np.array(rows.lost_lines), np.searchsorted(rows.lines, rows.lost_lines) - 1
     counts = np.bincount(before)
     place = np.arange(len(lost)) - np.searchsorted(before, before)
-    return tuple((before + (place + 1) / (counts[before] + 1)).tolist())
+    positions = tuple((before + (place + 1) / (counts[before] + 1)).tolist())
+    if times.kind != "timecode" or times.column is None:
+        return LostRows(positions)
+    column, first = places.texts.index(times.column), int(np.argmin(rows.lost))
+    there = (first + np.flatnonzero(rows.lost[first:])[: len(lost)]).tolist()
+    texts = (rows.texts[row][column] for row in there)
+    return LostRows(positions, tuple(text if is_timecode(text) else "" for text in texts))
 
 
 def _times(table: Table, places: _Places, rows: TableRows) -> RowTimes:

@@ -124,9 +124,11 @@ class LostRows:
 
     Attributes:
         positions: (L) where they lie, in frames: 4.5 is half-way between frames 4 and 5.
+        timecodes: (L) as the file writes them, "" where it has none; empty if it never has any.
     """
 
     positions: tuple[float, ...]
+    timecodes: tuple[str, ...] = ()
 
     def times(self, clip: Clip) -> Times:
         """(L,) seconds of the rows in the take's clip."""

@@ -107,20 +107,31 @@ def test_filled_frames_are_reached_by_mouse_and_typed_times(window: MainWindow) 
         assert line.filled == row - LOST.start
     drag(ruler, place(ruler, 90 / 60, 10.0), place(ruler, 108 / 60, 10.0))
     assert line.filled == 108 - LOST.start
-    assert transport.clock.text() == "–", "its time is said once"
+    assert transport.clock.text() == "12:00:01:48", "its row has a timecode in the file"
     assert transport.seconds.text().startswith("0:01.800 / ")
-    assert transport.frame.text() == f"filled, after frame {LOST.start}"
-    for unit, text in (("seconds", "1.7667"), ("timecode", "1:46")):
+    assert transport.frame.text() == f"frame {LOST.start}+9 / {240 - len(LOST)}, filled"
+    for unit, text in (("seconds", "1.7667"), ("timecode", "1:46"), ("frames", "100+7")):
         trigger(window, f"unit_{unit}")
         line.go_to_frame(0)
         QTest.keyClick(window, Qt.Key.Key_G)
         transport.entry.setText(text)
         QTest.keyClick(transport.entry, Qt.Key.Key_Return)
         assert line.filled == 106 - LOST.start, unit
-    trigger(window, "unit_frames")
     QTest.keyClick(window, Qt.Key.Key_G)
-    assert transport.entry.text() == "", "it has no number"
-    QTest.keyClick(transport.entry, Qt.Key.Key_Escape)
+    assert transport.entry.text() == "100+7"
+    QTest.keyClick(transport.entry, Qt.Key.Key_Return)
+    assert line.filled == 106 - LOST.start, "what is shown can be typed"
+    trigger(window, "unit_timecode")
+    line.select((90 / 60, 103 / 60))
+    fields = editor.curves.fields
+    assert (fields.start.text(), fields.end.text()) == ("12:00:01:30", "12:00:01:43")
+    fields.end.lineEdit().setText("12:00:01:45")
+    QTest.keyClick(fields.end, Qt.Key.Key_Return)
+    assert line.selection == pytest.approx((90 / 60, 105 / 60), abs=1e-3)
+    trigger(window, "unit_frames")
+    fields.end.stepUp()
+    assert (fields.start.text(), fields.end.text()) == ("91", "100+7")
+    assert line.selection == pytest.approx((90 / 60, 106 / 60), abs=1e-3)
 
 
 def test_a_drag_within_a_filled_gap_edits_the_frame_under_it(window: MainWindow) -> None:

@@ -175,7 +175,7 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     line.go_to_time(9.5)
     trigger_enabled(window, "paste")
     assert "9.500 to 10.000 s" in window.status.currentMessage(), "not beyond the end of the take"
-    (row,) = {columns(edit, clip)[0] for edit in session_of(window).edits}
+    (row,) = {columns(edit, line.rows)[0] for edit in session_of(window).edits}
     assert row == "9.500 – 10.000 s", "the list says the same"
 
 

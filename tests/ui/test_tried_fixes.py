@@ -22,6 +22,7 @@ from faceedit_app.editing.help.problems import Kind, Problem
 from faceedit_app.ui.page.problems_model import KIND
 from faceedit_app.ui.start.window import MainWindow
 from faceedit_app.ui.state.time_display import shown_time
+from faceedit_app.ui.state.timed_rows import TimedRows
 
 SHAKING = tuple((frame / 60, 2.5 * (-1) ** frame) for frame in range(312, 336))
 
@@ -49,7 +50,7 @@ def test_a_fix_that_would_make_another_problem_says_so_and_is_not_ticked(
     assert rows.chosen == (lips,)
     first = rows.model.index(0, KIND)
     made = rows.model._brought[blink]
-    when = shown_time(session.take.clip, made.time, window.timeline.display.unit)
+    when = shown_time(TimedRows.of(session.take.clip), made.time, window.timeline.display.unit)
     for role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
         assert f"makes shaking {made.amount} at {when}" in first.data(role)
     trigger_enabled(window, "next_problem", "fix_problem")

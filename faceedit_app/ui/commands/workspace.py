@@ -139,10 +139,10 @@ class Workspace(QObject):
 
     def shown_time(self, seconds: float) -> str:
         """A time in the unit in which times are shown."""
-        clip, unit = self.timeline.clip, self.timeline.display.unit
-        if clip is None:
+        rows, unit = self.timeline.rows, self.timeline.display.unit
+        if rows is None:
             return ""
-        shown = shown_time(clip, seconds, unit)
+        shown = shown_time(rows, seconds, unit)
         return f"frame {shown}" if unit is Unit.FRAMES else shown
 
     @property
@@ -155,8 +155,8 @@ class Workspace(QObject):
 
     def shown_range(self, start: float, end: float) -> str:
         """A time range in the unit in which times are shown."""
-        clip, unit = self.timeline.clip, self.timeline.display.unit
-        return shown_range(clip, start, end, unit) if clip is not None else ""
+        rows, unit = self.timeline.rows, self.timeline.display.unit
+        return shown_range(rows, start, end, unit) if rows is not None else ""
 
     def open_character(
         self,

@@ -10,7 +10,6 @@ from PySide6.QtCore import QLineF, QRectF
 from PySide6.QtGui import QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from faceedit_app.core.clip import Clip
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.curves.scale import Interval
 from faceedit_app.ui.curves.ticks import (
@@ -23,6 +22,7 @@ from faceedit_app.ui.curves.ticks import (
 from faceedit_app.ui.curves.view_item import ViewItem
 from faceedit_app.ui.look.guard import guarded
 from faceedit_app.ui.state.time_display import TimeDisplay, Unit, label
+from faceedit_app.ui.state.timed_rows import TimedRows
 
 TickLevels = list[tuple[float, list[float]]]  # spacing and values of each level of ticks
 
@@ -130,7 +130,7 @@ class _InsideAxis(pg.AxisItem):
     def __init__(self, color: str, tick: int, offset: int) -> None:
         super().__init__("top", textPen=color, tickPen=style.TICK)
         self.setPen(None)
-        self.clip: Clip | None = None
+        self.rows: TimedRows | None = None
         self.enableAutoSIPrefix(False)
         self.setStyle(
             tickLength=tick,
@@ -141,9 +141,9 @@ class _InsideAxis(pg.AxisItem):
             hideOverlappingLabels=_BEYOND,
         )
 
-    def show_clip(self, clip: Clip | None) -> None:
-        """Number the frames of a clip."""
-        self.clip = clip
+    def show_rows(self, rows: TimedRows | None) -> None:
+        """Number the frames of a take."""
+        self.rows = rows
         self.renew()
 
     def renew(self) -> None:
@@ -166,8 +166,8 @@ class _InsideAxis(pg.AxisItem):
 
     def _at(self, frames: list[int]) -> list[float]:
         """The times of frames, in seconds."""
-        assert self.clip is not None
-        return [float(self.clip.times[frame]) for frame in frames]
+        assert self.rows is not None
+        return [float(self.rows.clip.times[frame]) for frame in frames]
 
 
 class TimeAxis(_InsideAxis):
@@ -192,19 +192,21 @@ class TimeAxis(_InsideAxis):
 
     def tickValues(self, first: float, last: float, size: float) -> TickLevels:
         """Round times, or the times of frames with round numbers; none before the take."""
-        if self._display.unit is not Unit.FRAMES or self.clip is None:
+        if self._display.unit is not Unit.FRAMES or self.rows is None:
             levels: TickLevels = super().tickValues(first, last, size)
             return [(step, [at for at in times if at > -0.5 * step]) for step, times in levels]
         view, closest = (first, last), _TICK_CLOSEST
-        numbered, marked = frame_ticks(self.clip.times, view, size, style.TIME_SPACING, closest)
+        numbered, marked = frame_ticks(
+            self.rows.clip.times, view, size, style.TIME_SPACING, closest
+        )
         return [(1.0, self._at(numbered)), (0.5, self._at(marked))]
 
     def tickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
         """The labels of times."""
         unit = self._display.unit
-        if unit is Unit.SECONDS or self.clip is None:
+        if unit is Unit.SECONDS or self.rows is None:
             return [time_label(seconds, spacing) for seconds in values]
-        return [label(self.clip, seconds, unit) for seconds in values]
+        return [label(self.rows, seconds, unit) for seconds in values]
 
 
 class FrameAxis(_InsideAxis):
@@ -215,19 +217,19 @@ class FrameAxis(_InsideAxis):
 
     def has_room(self, view: Interval, width: float) -> bool:
         """Whether frames are far enough apart."""
-        if self.clip is None:
+        if self.rows is None:
             return False
-        return frame_spacing(self.clip.times, view, width) >= _FRAME_CLOSEST
+        return frame_spacing(self.rows.clip.times, view, width) >= _FRAME_CLOSEST
 
     def tickValues(self, first: float, last: float, size: float) -> TickLevels:
         """The times of frames, with a number and without."""
-        if self.clip is None:
+        if self.rows is None:
             return []
         view, closest = (first, last), _FRAME_CLOSEST
-        numbered, marked = frame_ticks(self.clip.times, view, size, _FRAME_SPACING, closest)
+        numbered, marked = frame_ticks(self.rows.clip.times, view, size, _FRAME_SPACING, closest)
         return [(1.0, self._at(numbered)), (0.5, self._at(marked))]
 
     def tickStrings(self, values: list[float], scale: float, spacing: float) -> list[str]:
         """The frame numbers."""
-        assert self.clip is not None
-        return [label(self.clip, seconds, Unit.FRAMES) for seconds in values]
+        assert self.rows is not None
+        return [label(self.rows, seconds, Unit.FRAMES) for seconds in values]

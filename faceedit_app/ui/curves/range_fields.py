@@ -94,7 +94,7 @@ class RangeFields(QWidget):
 
     @property
     def _in_frames(self) -> bool:
-        """Whether the numbers are frames, whatever is shown for them."""
+        """Whether the numbers are rows, whatever is shown for them."""
         return self._timeline.display.counts_frames and self._timeline.clip is not None
 
     def _show_unit(self) -> None:
@@ -122,14 +122,14 @@ class RangeFields(QWidget):
 
     def _shown(self, seconds: float) -> float:
         """The number that stands for a time."""
-        clip = self._timeline.clip
-        return clip.frame_at(seconds) + 1.0 if self._in_frames and clip is not None else seconds
+        rows = self._timeline.rows
+        return rows.at(seconds) + 1.0 if self._in_frames and rows is not None else seconds
 
     def _meant(self, number: float) -> float:
         """The time for which a number stands, within the take."""
-        clip = self._timeline.clip
-        if self._in_frames and clip is not None:
-            return float(clip.times[min(max(round(number), 1), len(clip)) - 1])
+        rows = self._timeline.rows
+        if self._in_frames and rows is not None:
+            return float(rows.times[min(max(round(number), 1), len(rows)) - 1])
         return min(max(number, 0.0), self._timeline.duration)
 
     @property

@@ -88,7 +88,7 @@ class Ruler(pg.GraphicsView, Mouse):
         self._clip, self._gaps, self._drag = clip, gaps, None
         self._gap_marks.show_gaps(gaps)
         for axis in (self.times, self.frames):
-            axis.show_clip(clip)
+            axis.show_rows(self._timeline.rows if clip is not None else None)
         self._show_frames()
 
     def show_marks(self, marks: Marks, playhead: float) -> None:
@@ -155,11 +155,13 @@ class Ruler(pg.GraphicsView, Mouse):
     def viewportEvent(self, event: QEvent) -> bool:
         """Over a gap, show in the tooltip what is missing."""
         if isinstance(event, QHelpEvent) and self._clip is not None:
+            rows = self._timeline.rows
+            assert rows is not None
             x, scale = event.pos().x(), self.current_scale
             for gap, (first, last) in zip(self._clip.gaps, self._gaps, strict=True):
                 if scale.x_of(first) - _NEAR_GAP <= x <= scale.x_of(last) + _NEAR_GAP:
                     plural = "s" if gap.missing > 1 else ""
-                    after = shown_time(self._clip, first, self._timeline.display.unit)
+                    after = shown_time(rows, first, self._timeline.display.unit)
                     text = f"{gap.missing} frame{plural} missing after {after}"
                     QToolTip.showText(event.globalPos(), text, self)
                     return True

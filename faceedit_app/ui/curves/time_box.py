@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
-from faceedit_app.core.clip import Clip
 from faceedit_app.ui.look.number import NumberBox
 from faceedit_app.ui.state.time_display import Unit, label
+from faceedit_app.ui.state.timed_rows import TimedRows
 from faceedit_app.ui.state.timeline import Timeline
-from faceedit_app.ui.state.typed_time import typed_frame, typed_seconds
+from faceedit_app.ui.state.typed_time import typed_row, typed_seconds
 
 
 class TimeBox(NumberBox):
-    """A field for a time; as a timecode, its number is that of the frame, counted from 1."""
+    """A field for a time; in frames or timecode, its number is that of the row, counted from 1."""
 
     def __init__(self, timeline: Timeline) -> None:
         self._timeline = timeline  # first: it is asked what to show at once
         super().__init__()
 
     @property
-    def _clip(self) -> Clip | None:
-        """The take, if its timecode is shown."""
+    def _rows(self) -> TimedRows | None:
+        """The take's rows, if their numbers or timecodes are shown."""
         line = self._timeline
-        return line.clip if line.display.unit is Unit.TIMECODE else None
+        return line.rows if line.display.counts_frames else None
 
     def textFromValue(self, value: float) -> str:
-        """The timecode of the frame, or the number."""
-        clip = self._clip
-        if clip is None:
+        """The timecode or the number of the row, or the seconds."""
+        rows = self._rows
+        if rows is None:
             return super().textFromValue(value)
-        frame = min(max(round(value), 1), len(clip)) - 1
-        return label(clip, float(clip.times[frame]), Unit.TIMECODE)
+        row = min(max(round(value), 1), len(rows)) - 1
+        return label(rows, float(rows.times[row]), self._timeline.display.unit)
 
     def valueFromText(self, text: str) -> float:
-        """The frame that a timecode means, or the number."""
+        """The row that a timecode or a frame's number means, or the seconds."""
         if text == self.specialValueText():
             return self.minimum()
         if self._timeline.clip is None:
@@ -57,10 +57,15 @@ class TimeBox(NumberBox):
         Raises:
             ValueError: what is wrong with it, in one line for the user.
         """
-        line, number = self._timeline, self.number_in(text)
-        assert line.clip is not None
-        if self._clip is None and number is not None and 0 <= number <= self.maximum():
-            return number
-        if line.display.counts_frames:
-            return typed_frame(line.clip, text, line.display.unit, line.frame) + 1.0
-        return min(typed_seconds(text), self.maximum())
+        line, rows, number = self._timeline, self._rows, self.number_in(text)
+        is_number = number is not None and 0 <= number <= self.maximum()
+        if rows is None:
+            return (
+                number
+                if number is not None and is_number
+                else min(typed_seconds(text), self.maximum())
+            )
+        if number is not None and is_number and line.display.unit is Unit.FRAMES:
+            frame = min(max(round(number), 1), len(rows.clip)) - 1
+            return rows.of_frame(frame) + 1.0
+        return typed_row(rows, text, line.display.unit, rows.at(line.time)) + 1.0

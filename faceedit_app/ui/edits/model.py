@@ -15,7 +15,6 @@ from PySide6.QtCore import (
     Signal,
 )
 
-from faceedit_app.core.clip import Clip
 from faceedit_app.core.fields import clean_text
 from faceedit_app.editing.edits.describe import describe, describe_what
 from faceedit_app.editing.edits.edit import Edit, Op
@@ -25,6 +24,7 @@ from faceedit_app.ui.look.model_index import Index
 from faceedit_app.ui.look.texts import plain_tip
 from faceedit_app.ui.state.document import Document
 from faceedit_app.ui.state.time_display import Unit, label, shown_seconds
+from faceedit_app.ui.state.timed_rows import TimedRows
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.typed_time import typed_range
 
@@ -143,7 +143,7 @@ class EditsModel(QAbstractListModel):
 
     def columns(self, edit: Edit) -> tuple[str, str, str]:
         """When an edit acts, on what, and how strongly, with times in the chosen unit."""
-        return columns(edit, self._timeline.clip, self._timeline.display.unit)
+        return columns(edit, self._timeline.rows, self._timeline.display.unit)
 
     def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
         """Rename an edit, or switch it."""
@@ -200,9 +200,10 @@ class EditsModel(QAbstractListModel):
             ValueError: what is wrong with the text, in one line for the user.
         """
         line = self._timeline
-        assert line.clip is not None
+        rows = line.rows
+        assert rows is not None
         (start, end), (first, last) = (
-            typed_range(line.clip, words, line.display.unit, line.frame)
+            typed_range(rows, words, line.display.unit, rows.at(line.time))
             for words in (text, self.ends(edit))
         )
         start = edit.start if start == first else start
@@ -211,10 +212,10 @@ class EditsModel(QAbstractListModel):
 
     def ends(self, edit: Edit) -> str:
         """The range of an edit as it is typed, in the unit in which times are shown."""
-        clip, unit = self._timeline.clip, self._timeline.display.unit
-        if clip is not None and unit is not Unit.SECONDS:
-            return " – ".join(label(clip, s, unit) for s in (edit.start, edit.end))
-        last = clip.duration if clip is not None else math.inf
+        rows, unit = self._timeline.rows, self._timeline.display.unit
+        if rows is not None and unit is not Unit.SECONDS:
+            return " – ".join(label(rows, s, unit) for s in (edit.start, edit.end))
+        last = rows.clip.duration if rows is not None else math.inf
         start, end = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
         return f"{shown_seconds(start)} – {shown_seconds(end)}"
 
@@ -279,21 +280,21 @@ class EditsModel(QAbstractListModel):
 
 
 def columns(
-    edit: Edit, clip: Clip | None = None, unit: Unit = Unit.SECONDS
+    edit: Edit, rows: TimedRows | None = None, unit: Unit = Unit.SECONDS
 ) -> tuple[str, str, str]:
     """When it acts, on what, and how strongly.
 
     Args:
         edit: the edit.
-        clip, unit: for times in frames or timecode; otherwise they are in seconds.
+        rows, unit: for times in frames or timecode; otherwise they are in seconds.
     """
-    last = clip.duration if clip is not None else math.inf  # a paste may go on beyond the take
+    last = rows.clip.duration if rows is not None else math.inf  # a paste may go on beyond the take
     ends = (min(max(seconds, 0.0), last) for seconds in (edit.start, edit.end))
-    if clip is None or unit is Unit.SECONDS:
+    if rows is None or unit is Unit.SECONDS:
         start, end = map(shown_seconds, ends)
         tail = " s"
     else:
-        start, end = (label(clip, seconds, unit) for seconds in ends)
+        start, end = (label(rows, seconds, unit) for seconds in ends)
         tail = ""
     return (
         f"{start}{tail}" if start == end else f"{start} – {end}{tail}",

@@ -41,8 +41,8 @@ def aim_of(preset: Preset) -> Aim:
 
 def where_acts(presets: Sequence[Preset], line: Timeline) -> tuple[str, str]:
     """Where presets act if they are chosen now, in few words and in a sentence."""
-    if line.own_selection is not None and line.clip is not None:
-        span = shown_range(line.clip, *line.own_selection, line.display.unit)
+    if line.own_selection is not None and line.rows is not None:
+        span = shown_range(line.rows, *line.own_selection, line.display.unit)
         return f"In the selection, {span}", f"A click acts in the selection, {span}"
     whole = [preset.name for preset in presets if preset.alone is Alone.TAKE]
     if not whole:

@@ -183,8 +183,8 @@ class ProblemsList(QWidget):
         return "Untick those that you do not want"
 
     def _shown_time(self, seconds: float) -> str:
-        clip = self._timeline.clip
-        return shown_time(clip, seconds, self._timeline.display.unit) if clip is not None else ""
+        rows = self._timeline.rows
+        return shown_time(rows, seconds, self._timeline.display.unit) if rows is not None else ""
 
     def sync(self) -> None:
         """Show what was found, and which problem is at the playhead."""

@@ -16,6 +16,7 @@ from faceedit_app.ui.page.time_entry import TimeEntry
 from faceedit_app.ui.state.actions import TIP, Actions
 from faceedit_app.ui.state.playback import SPEEDS, Playback
 from faceedit_app.ui.state.time_display import Unit, times
+from faceedit_app.ui.state.timed_rows import TimedRows
 from faceedit_app.ui.state.timeline import Timeline
 from faceedit_app.ui.state.typed_time import typed_moment
 
@@ -83,9 +84,9 @@ class Transport(QWidget):
         self.speed.setEnabled(clip is not None)
         if clip is not None:
             # Wide enough for the last frame and for filled ones: nothing moves during playback.
-            shown = [times(clip, len(clip) - 1)]
-            if clip.gaps:
-                shown.append(times(clip, len(clip) - 1, clip.duration))
+            rows = self._timeline.rows or TimedRows.of(clip)
+            widest = {len(rows) - 1, int(rows.past.argmax())}
+            shown = [times(rows, row) for row in widest]
             for label, *texts in zip(self._labels, *shown, strict=True):
                 label.ensurePolished()
                 wide = max(map(label.fontMetrics().horizontalAdvance, texts))
@@ -95,27 +96,24 @@ class Transport(QWidget):
         self._show_unit()
 
     def _show_time(self) -> None:
-        clip, line = self._clip, self._timeline
-        texts = ("", "", "")
-        if clip is not None:
-            frame = min(max(line.frame, 0), len(clip) - 1)
-            texts = times(clip, frame, line.time if line.filled is not None else None)
+        rows, texts = self._timeline.rows, ("", "", "")
+        if self._clip is not None and rows is not None:
+            texts = times(rows, rows.at(self._timeline.time))
         for label, text in zip(self._labels, texts, strict=True):
             label.setText(text)
 
     def type_time(self) -> None:
         """Let the user type a time to go to, in the unit in which times are shown."""
-        clip, unit = self._clip, self._timeline.display.unit
-        if clip is None:
+        rows, unit = self._timeline.rows, self._timeline.display.unit
+        if self._clip is None or rows is None:
             return
 
         def go(text: str) -> None:
-            self._timeline.go_to_time(typed_moment(clip, text, unit, self._timeline.frame))
+            now = rows.at(self._timeline.time)
+            self._timeline.go_to_time(typed_moment(rows, text, unit, now))
 
         label = self._labels[_UNITS.index(unit)]
         text = label.text().partition("/")[0].removeprefix("frame").strip()
-        if self._timeline.filled is not None and unit is not Unit.SECONDS:
-            text = ""  # it has no other time
         self.entry.begin(label, text, f"Go to a time, in {unit}", go)
 
     def _show_unit(self) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.timing import format_time
+from faceedit_app.ui.state.timed_rows import TimedRows
 
 _DECIMALS = 3  # of seconds: at 1000 frames a second, two frames read differently
 
@@ -62,22 +62,17 @@ class TimeDisplay(QObject):
             self.changed.emit()
 
 
-def label(clip: Clip, seconds: float, unit: Unit) -> str:
-    """The ruler's label of a time in frames or timecode."""
-    frame = clip.frame_at(seconds)
-    if unit is Unit.TIMECODE and clip.timecodes:
-        return whole_timecode(clip.timecodes[frame])
-    return str(frame + 1)  # people count frames from 1
+def label(rows: TimedRows, seconds: float, unit: Unit) -> str:
+    """The ruler's label of a time in frames or timecode: that of the nearest row."""
+    row = rows.at(seconds)
+    if unit is Unit.TIMECODE and rows.timecodes is not None:
+        return rows.timecode(row)
+    return rows.number(row)
 
 
-def whole_timecode(text: str) -> str:
-    """A timecode as people know it, `12:00:02:30`, without the thousandths of a frame."""
-    return text.replace(",", ".").partition(".")[0]
-
-
-def shown_time(clip: Clip, seconds: float, unit: Unit) -> str:
+def shown_time(rows: TimedRows, seconds: float, unit: Unit) -> str:
     """A time in the chosen unit, such as `2.500 s` or `151`."""
-    return f"{shown_seconds(seconds)} s" if unit is Unit.SECONDS else label(clip, seconds, unit)
+    return f"{shown_seconds(seconds)} s" if unit is Unit.SECONDS else label(rows, seconds, unit)
 
 
 def shown_seconds(seconds: float) -> str:
@@ -85,23 +80,21 @@ def shown_seconds(seconds: float) -> str:
     return f"{seconds:.{_DECIMALS}f}"
 
 
-def shown_range(clip: Clip, start: float, end: float, unit: Unit) -> str:
+def shown_range(rows: TimedRows, start: float, end: float, unit: Unit) -> str:
     """A range in the chosen unit, such as `2.500 to 3.000 s` or `frames 151 to 181`."""
     if unit is Unit.SECONDS:
         return f"{shown_seconds(start)} to {shown_seconds(end)} s"
-    first, last = (label(clip, seconds, unit) for seconds in (start, end))
+    first, last = (label(rows, seconds, unit) for seconds in (start, end))
     return f"{'frames ' if unit is Unit.FRAMES else ''}{first} to {last}"
 
 
-def times(clip: Clip, frame: int, filled: float | None = None) -> tuple[str, str, str]:
-    """A frame's time in three units: timecode, seconds, and frame number from 1.
+def times(rows: TimedRows, row: int) -> tuple[str, str, str]:
+    """A row's time in three units: timecode, seconds, and frame number from 1.
 
-    Args:
-        filled: seconds of a filled frame beside it, which has neither timecode nor number.
+    A row without a face, at which the playhead can only stand if it is filled, says so.
     """
-    seconds = format_time(float(clip.times[frame]) if filled is None else filled)
-    within = f"{seconds} / {format_time(clip.duration)}"
-    if filled is not None:
-        return "–", within, f"filled, after frame {np.searchsorted(clip.times, filled)}"
-    code = whole_timecode(clip.timecodes[frame]) if clip.timecodes else seconds
-    return code, within, f"frame {frame + 1} / {len(clip)}"
+    seconds = format_time(float(rows.times[row]))
+    code = rows.timecode(row) if rows.timecodes is not None else seconds
+    number = f"frame {rows.number(row)} / {len(rows.clip)}"
+    filled = ", filled" if rows.past[row] else ""
+    return code, f"{seconds} / {format_time(rows.clip.duration)}", number + filled

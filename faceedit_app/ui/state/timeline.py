@@ -11,6 +11,7 @@ from faceedit_app.core.arrays import Times
 from faceedit_app.core.clip import Clip, nearest
 from faceedit_app.formats.take import LostRows
 from faceedit_app.ui.state.time_display import TimeDisplay
+from faceedit_app.ui.state.timed_rows import TimedRows
 
 if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.solving.filled_frames import FilledFrames
@@ -59,10 +60,10 @@ class Timeline(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._clip: Clip | None = None
+        self._rows: TimedRows | None = None
         self.frame = 0
         self.filled: int | None = None
         self.filled_frames: FilledFrames | None = None
-        self._edges = NO_TIMES  # (N,) seconds at which an end of a selection can lie
         self.view = (0.0, 1.0)
         self.selection: tuple[float, float] | None = None
         self.falloff = self.falloff_out = DEFAULT_FALLOFF
@@ -78,6 +79,11 @@ class Timeline(QObject):
     def clip(self) -> Clip | None:
         """The open clip, whose times these are."""
         return self._clip
+
+    @property
+    def rows(self) -> TimedRows | None:
+        """The rows of the open take by which times are shown and typed."""
+        return self._rows
 
     @property
     def duration(self) -> float:
@@ -112,9 +118,7 @@ class Timeline(QObject):
         """
         self._clip, self.frame = clip, 0
         self.filled_frames = self.filled = None
-        self._edges = clip.times
-        if lost is not None:
-            self._edges = np.sort(np.concatenate([clip.times, lost.times(clip)]))
+        self._rows = TimedRows.of(clip, lost)
         self.display.follow(clip)
         self.leave_edit()
         self.select(None)
@@ -192,7 +196,9 @@ class Timeline(QObject):
         In a gap, these are the times of its rows, filled or not, so that a part of it can be
         filled.
         """
-        return float(self._edges[nearest(self._edges, seconds)]) if len(self._edges) else seconds
+        return (
+            float(self._rows.times[self._rows.at(seconds)]) if self._rows is not None else seconds
+        )
 
     def _keep_in_view(self, seconds: float) -> None:
         first, last = self.view
