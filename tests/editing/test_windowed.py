@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import product
 
 import numpy as np
@@ -18,6 +18,7 @@ from faceedit_app.editing.edits.settings import Mode, Settings
 from faceedit_app.editing.solving.chunks import CHUNK, ChunkTask
 from faceedit_app.editing.solving.request import affected
 from faceedit_app.editing.solving.solver import Patch, Solver
+from faceedit_app.formats.gaps import find_gaps
 
 RATES = (24.0, 25.0, 29.97, 30.0, 60.0)
 OPS = (Op.OFFSET, Op.SET, Op.SCALE, Op.SMOOTH, Op.RESET)
@@ -30,7 +31,8 @@ def random_clip(random: np.random.Generator, frames: int | None = None) -> Clip:
     if random.random() < 0.3:  # a gap of up to 20 s somewhere
         times[int(random.integers(count)) :] += float(random.uniform(0.1, 20.0))
     times -= times[0]
-    return talking_clip(count, rate, int(random.integers(1000)), times=times)
+    clip = talking_clip(count, rate, int(random.integers(1000)), times=times)
+    return replace(clip, gaps=find_gaps(times, rate))
 
 
 def random_edit(random: np.random.Generator, duration: float) -> Edit:
@@ -107,7 +109,8 @@ def test_what_lies_far_away_does_not_matter(seed: int) -> None:
     clip = random_clip(random, 2000)
     cut = int(random.integers(1000, 1900))
     # The last chunk of the short take ends where the long one's goes on: look before it.
-    alone = Clip(clip.weights[:cut], clip.channels, clip.times[:cut], clip.rate)
+    gaps = find_gaps(clip.times[:cut], clip.rate)
+    alone = Clip(clip.weights[:cut], clip.channels, clip.times[:cut], clip.rate, gaps)
     short, long = session_by_networks(alone), session_by_networks(clip)
     share_what_is_known(long._solver, short._solver)
     last = max(len(short._solver.chunks) - 2, 0)

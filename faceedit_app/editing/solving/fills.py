@@ -192,6 +192,7 @@ class Fills:
         times, whole = self._clip.times, slice(0, len(self._tracked))
         out = np.full((len(seconds), self._tracked.shape[1]), np.nan)
         has_found = False
+        movers = [i for i, edit in enumerate(edits) if edit.op in (Op.RETIME, Op.RESET)]
         changing: list[Edit] = []  # a fill between two frames changes none
         for i, edit in enumerate(edits):
             earlier = tuple(changing)
@@ -207,7 +208,9 @@ class Fills:
                 out[covered] = np.nan
             first, stop = fill_frames(times, edit.span)
             if edit.op is Op.FILL and stop - first < len(times):
-                stretch = self._stretch(edit, self.applied(earlier, whole), whole, first, stop)
+                moving = _moving(edits, movers, i)
+                around = self.applied((*changing, *moving) if moving else earlier, whole)
+                stretch = self._stretch(edit, around, whole, first, stop)
                 key = (*_key(edit, stretch), seconds[covered].tobytes())
                 if key not in self._found:
                     if until is not None and has_found and time.perf_counter() >= until:
@@ -244,6 +247,19 @@ def _key(edit: Edit, stretch: Stretch) -> tuple[Hashable, ...]:
 def _acting(edits: Sequence[Edit]) -> tuple[Edit, ...]:
     """Those that change the take that all others start from."""
     return tuple(edit for edit in edits if edit.op in (Op.RESET, *OF_THE_TAKE))
+
+
+def _moving(edits: Sequence[Edit], movers: Sequence[int], place: int) -> tuple[Edit, ...]:
+    """The retimes and resets after a fill; none if there are no retimes.
+
+    They leave rows without a face where they are, and change the frames that its rows have to join.
+
+    Args:
+        movers: the places of all retimes and resets.
+        place: that of the fill.
+    """
+    moving = tuple(edits[mover] for mover in movers if mover > place)
+    return moving if any(edit.op is Op.RETIME for edit in moving) else ()
 
 
 def _put(out: Floats, made: tuple[slice, Doubles] | None) -> None:
