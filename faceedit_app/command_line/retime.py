@@ -113,7 +113,9 @@ def retime(
         offset = 0.0 if media.sound is None else media.sound.offset
         new = written.words(said.shifted(offset))
         assert new is not None
-        json_output.say_kept(grid, write_words(grid, new, written.clip.duration))
+        lead = 0.0 if written.sound is None else -written.begin  # words are timed by the sound
+        length = lead + written.clip.duration
+        json_output.say_kept(grid, write_words(grid, new.shifted(lead), length))
     _report(take, output, written, None if said is None else grid, as_json)
 
 

@@ -20,6 +20,7 @@ from faceedit_app.editing.opening import open_character, shipped_rig
 from faceedit_app.editing.session import EditSession
 from faceedit_app.formats import registry
 from faceedit_app.formats.converting import Like, converted, resampled, with_filled
+from faceedit_app.formats.faceless import left_out_note
 from faceedit_app.formats.lost_faces import CONFIDENCE
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.rotations import rotation_named
@@ -34,6 +35,7 @@ _LIKE_THE_TAKE = (
     "The file is laid out like the take, for programs that open the take. For others, choose a "
     "format by its name."
 )
+_MOVES_ON = "the face moves on evenly there"
 _HEAD = "head"  # rotations of the head begin so
 _MARK = 8  # first bytes of a file, which tell its kind
 
@@ -154,14 +156,14 @@ class _Encoded:
         content: of the file.
         clip: the take as the file has it.
         lost: what the take's file carries beside its channels, and this one cannot.
-        note: a further remark, or "".
+        notes: further remarks.
         is_straight: as in `Exported`.
     """
 
     content: bytes
     clip: Clip
     lost: tuple[str, ...]
-    note: str = ""
+    notes: tuple[str, ...] = ()
     is_straight: bool = False
 
 
@@ -275,10 +277,8 @@ def export_take(
         is_ours = begins_with(encoded.content[:_MARK])
     backup = make_way(path, take.path, options.overwrite, is_ours)
     write_atomically(path, encoded.content)
-    remarks = _left_out(encoded.lost, form)
-    if encoded.note:
-        remarks += (encoded.note,)
-    rate_note = take.rate_note if encoded.note == take.rate_note else ""
+    remarks = (*_left_out(encoded.lost, form), *filter(None, encoded.notes))
+    rate_note = take.rate_note if take.rate_note in encoded.notes else ""
     return Exported(path, form, encoded.clip, remarks, backup, encoded.is_straight, rate_note)
 
 
@@ -324,7 +324,8 @@ def _as_take(take: Take, edited: Clip, path: Path, form: OutFormat, options: Opt
         lost = tuple(name for name in lost if rotation_named(name) is None)
     if kind.keeps_confidence and done.clip.confidence is not None:
         lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
-    return _Encoded(done.content, done.clip, lost, done.note)
+    lost = tuple(name for name in lost if name not in done.kept)
+    return _Encoded(done.content, done.clip, lost, (done.note, done.faceless))
 
 
 def _as_scene(take: Take, edited: Clip, _path: Path, form: OutFormat, options: Options) -> _Encoded:
@@ -336,7 +337,8 @@ def _as_scene(take: Take, edited: Clip, _path: Path, form: OutFormat, options: O
     content = scene_content(kind, clip, character, take.path.stem, compact, follows)
     lost = tuple(n for n in take.carried if not (rotation_named(n) or "").startswith(_HEAD))
     turned = clip.rotations is not None and bool(np.any(clip.rotations[:, :3]))
-    return _Encoded(content, clip, lost, is_straight=turned and not follows)
+    note = left_out_note(take.without_face(options.filled), take.clip, _MOVES_ON)
+    return _Encoded(content, clip, lost, (note,), turned and not follows)
 
 
 def changed_frames(session: EditSession, path: Path) -> int:

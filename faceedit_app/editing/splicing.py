@@ -24,6 +24,8 @@ from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.splice import Splice, Spliced, splice
 from faceedit_app.editing.exporting import Options, OutFormat, choose, export_take, own_format
 from faceedit_app.formats.converting import Like, nearest, with_filled
+from faceedit_app.formats.csv_style import has_style
+from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import Take
 from faceedit_app.media import beside
@@ -46,6 +48,7 @@ class Written:
         path: its file.
         clip: what is in it.
         sound, film: the files beside it, if the take had them.
+        begin: when these begin, seconds of the take: with its first row, which may have no face.
         spliced: how its time relates to the old take's.
         remarks: sentences about what it does not hold.
         form: the name of its format.
@@ -62,6 +65,7 @@ class Written:
     form: str = ""
     backup: Path | None = None
     backups: tuple[Path, ...] = ()
+    begin: float = 0.0
 
     @property
     def names(self) -> str:
@@ -114,6 +118,12 @@ def write_spliced(
     """
     made = splice(with_filled(shown, take.lost_rows, filled), splices)
     form, remarks = _form_for(take, path)
+    like, rows = None, take.without_face(filled)
+    faceless = None if rows is None else made.without_face(rows)
+    if form == own_format(take):
+        like = Like(take.source, nearest(take.clip, made.moments(made.clip.times)))
+    keeps_rows = like is not None and has_style(like.source, made.clip)
+    span = _span(made, faceless if keeps_rows else None)
     film = media.film if has_film else None
     sound = None if media.sound is None else read_sound(media.sound.path)
     paths = path.with_suffix(".wav"), path.with_suffix(".mp4")
@@ -125,27 +135,35 @@ def write_spliced(
         backups = tuple(keep_backup(file) for file in new if on_disk.exists(file))
     with ExitStack() as undo:  # of what was written, if anything fails
         if sound is not None and media.sound is not None:
-            samples = spliced_sound(sound, media.sound.offset, made)
+            samples = spliced_sound(sound, media.sound.offset, made, span)
             write_atomically(paths[0], wav(samples, sound.rate))
             undo.callback(paths[0].unlink, missing_ok=True)
         if film is not None:
             try:
-                _write_film(film, made, paths, sound is not None, progress)
+                _write_film(film, made, span, paths, sound is not None, progress)
                 undo.callback(paths[1].unlink, missing_ok=True)
             except Unavailable as error:
                 remarks.append(f"the film is left out: {error}")
                 film = None
         # Of no kind: its own format would be written into the old file's rows.
-        bare = replace(take, clip=made.clip, kind="")
-        like = None
-        if form == own_format(take):
-            like = Like(take.source, nearest(take.clip, made.moments(made.clip.times)))
+        bare = replace(take, clip=made.clip, kind="", lost_rows=None, faceless=faceless)
         options = Options(overwrite=overwrite, like=like)
         exported = export_take(bare, made.clip, path, form, options)
         undo.pop_all()
     written = (paths[0] if sound is not None else None), (paths[1] if film is not None else None)
     lines = (*made.notes, *exported.said(), *remarks)
-    return Written(path, made.clip, *written, made, lines, form.name, exported.backup, backups)
+    return Written(
+        path, made.clip, *written, made, lines, form.name, exported.backup, backups, span[0]
+    )
+
+
+def _span(made: Spliced, faceless: Faceless | None) -> tuple[float, float]:
+    """When the first row of a new take is shown, and when the last one ends, seconds."""
+    if not faceless:
+        return 0.0, made.clip.duration
+    rate = made.clip.rate
+    # As `Take.lead` counts them.
+    return -faceless.leading / rate, max(made.clip.duration, float(faceless.times[-1]) + 1.0 / rate)
 
 
 def _form_for(take: Take, path: Path) -> tuple[OutFormat, list[str]]:
@@ -210,39 +228,45 @@ def _check_room(path: Path, written: Sequence[Path], overwrite: bool) -> None:
             raise FileError(found, problem, "choose another name for the new take")
 
 
-def spliced_sound(sound: Sound, offset: float, made: Spliced) -> Samples:
+def spliced_sound(sound: Sound, offset: float, made: Spliced, span: tuple[float, float]) -> Samples:
     """(N, C) the samples of a sound from the beginning to the end of the spliced take.
 
     Args:
         offset: when its file begins, in seconds of the take.
+        span: of the spliced take, seconds; rows without a face may lie beyond all others.
     """
-    out = np.zeros((round(made.clip.duration * sound.rate), sound.channels), np.int16)
-    fade = round(_FADE * sound.rate)
+    begin, end = span
+    out = np.zeros((round((end - begin) * sound.rate), sound.channels), np.int16)
+    fade, last = round(_FADE * sound.rate), len(made.pieces) - 1
     for number, piece in enumerate(made.pieces):
-        start = round(piece.shown * sound.rate)
-        stop = min(start + round(piece.length * sound.rate), len(out))
-        there = round((piece.start - offset - sound.start) * sound.rate)
-        first, last = max(there, 0), min(there + stop - start, len(sound.samples))
-        if first >= last:
+        earlier = -begin if number == 0 else 0.0
+        later = end - made.clip.duration if number == last else 0.0
+        start = round((piece.shown - earlier - begin) * sound.rate)
+        length = round((earlier + piece.length + later) * sound.rate)
+        stop = min(start + length, len(out))
+        there = round((piece.start - earlier - offset - sound.start) * sound.rate)
+        first, until = max(there, 0), min(there + stop - start, len(sound.samples))
+        if first >= until:
             continue
-        part = sound.samples[first:last].astype(np.float32)
+        part = sound.samples[first:until].astype(np.float32)
         ramp = np.linspace(0.0, 1.0, min(fade, len(part)), dtype=np.float32)[:, None]
         if number and first == there:
             part[: len(ramp)] *= ramp
-        if number < len(made.pieces) - 1 and last == there + stop - start:
+        if number < last and until == there + stop - start:
             part[len(part) - len(ramp) :] *= ramp[::-1]
-        out[start + first - there : start + last - there] = np.rint(part)
+        out[start + first - there : start + until - there] = np.rint(part)
     return out
 
 
 def _write_film(
     film: MediaFile,
     made: Spliced,
+    span: tuple[float, float],
     paths: tuple[Path, Path],
     has_sound: bool,
     progress: Callable[[float], bool],
 ) -> None:
-    """Write the film with the same splices."""
+    """Write the film with the same splices, over the same span as the sound."""
     heard = read_sound(paths[0]) if has_sound else None
     track = None if heard is None else Soundtrack(heard)
     source = Film(film.path)
@@ -250,8 +274,8 @@ def _write_film(
         height, width = source.picture(0).shape[:2]
         size = width - width % 2, height - height % 2
         black = np.zeros((size[1], size[0], 3), np.uint8)
-        count = max(round(made.clip.duration * source.rate), 1)
-        moments = made.moments(np.arange(count) / source.rate) - film.offset
+        count = max(round((span[1] - span[0]) * source.rate), 1)
+        moments = made.moments(span[0] + np.arange(count) / source.rate) - film.offset
         with writing(paths[1], film_format(paths[1]), size, source.rate, track) as out:
             for number, moment in enumerate(moments.tolist()):
                 if not progress(number / count):

@@ -10,12 +10,15 @@ import numpy as np
 from faceedit_app.core.arrays import Bools, Floats, Indices, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.resample import at_rate
+from faceedit_app.formats.faceless import Faceless, left_out_note
 from faceedit_app.formats.gaps import find_gaps
 from faceedit_app.formats.opening import encoded_take
 from faceedit_app.formats.registry import Format
 from faceedit_app.formats.take import LostRows, Source, Take
 from faceedit_app.formats.timecode import start_of_day, write_timecode
 from faceedit_app.formats.timecode_readings import DEFAULT_BASE
+
+_FILLED = "get weights between those around them"
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,8 @@ class Converted:
         is_styled: whether it is a new file in the style of the take's.
         note: what of the take's layout could not be kept, if it should be, or that its times were
             kept although the user gave another rate; else "".
+        faceless: what became of rows without a face that it does not have as they were; else "".
+        kept: the take's columns that are no channels and are kept in a new file all the same.
     """
 
     content: bytes
@@ -49,6 +54,8 @@ class Converted:
     is_own: bool = False
     is_styled: bool = False
     note: str = ""
+    faceless: str = ""
+    kept: tuple[str, ...] = ()
 
 
 def converted(
@@ -92,10 +99,20 @@ def converted(
     assert form.write is not None
     clip = resampled(whole, rate, fill_gaps=not form.tells_times)
     style = Like(take.source, nearest(take.clip, clip.times)) if is_own and own_layout else like
-    styled = None if style is None else form.write_like(style.source, clip, style.frames)
+    rows, styled = take.without_face(filled), None
+    if style is not None:
+        there = None if rows is None else rows.at_rate(whole, clip)
+        styled = form.write_like(style.source, clip, style.frames, there)
     if styled is None:
-        return Converted(form.write(clip), clip)
-    return Converted(styled.content, clip, is_styled=True, note=styled.note)
+        return Converted(form.write(clip), clip, faceless=_left_out(rows, whole, form))
+    return Converted(styled.content, clip, is_styled=True, note=styled.note, kept=styled.kept)
+
+
+def _left_out(rows: Faceless | None, clip: Clip, form: Format) -> str:
+    """What becomes of rows without a face in a format's own layout."""
+    if not form.tells_times:
+        return left_out_note(rows, clip, f"{form.name} has no times", _FILLED)
+    return left_out_note(rows, clip, "other programs need a number in every cell")
 
 
 def nearest(clip: Clip, times: Times) -> Indices:

@@ -83,7 +83,7 @@ class CsvSource:
         scale: the value of a full blendshape in the file.
         turns: the columns of the rotations that it has, by their names.
         degrees: the names of the rotations that the file has in degrees, not radians.
-        lost: (L) the lines without a face that lie between frames.
+        lost: (L) indices of the lines without a face.
         flag: the column that says whether a row has a face, if any.
         confidence: the column of the tracker's confidence, if any.
         seconds: the column of the times, if they are seconds.
@@ -165,11 +165,13 @@ class CsvSource:
         Its confidence is 0.
 
         Args:
-            weights: (L, K) for `lost`; a row of NaN stays as it is.
+            weights: (L, K) for those of `lost` that lie between frames; a row of NaN stays as it
+                is.
         """
         write = self.writer(self.columns, self.scale)
         out, frames = list(self.table.lines), np.array(self.lines)
-        for line, row in zip(self.lost, shortest(weights), strict=True):
+        between = [line for line in self.lost if self.lines[0] < line < self.lines[-1]]
+        for line, row in zip(between, shortest(weights), strict=True):
             if not np.isfinite(row).all():
                 continue
             before = self.lines[int(np.searchsorted(frames, line)) - 1]

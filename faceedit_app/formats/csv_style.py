@@ -3,13 +3,13 @@
 Its separator, decimal sign, names, scale, digits, line ends and the base of its timecode are kept,
 and the text of each number that is the one of the row it comes from.
 Times that are neither timecodes nor numbers become seconds, and columns that are no channels are
-left out.
+left out. Rows without a face keep their cells in the columns that are left, and get new times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.formats.csv_source import CsvSource, bare
 from faceedit_app.formats.csv_take import confidence_cells
 from faceedit_app.formats.encodings import RecodedSource
-from faceedit_app.formats.files import BOM
+from faceedit_app.formats.faceless import Faceless
+from faceedit_app.formats.files import BOM, LONGEST_NAME, shown
 from faceedit_app.formats.lost_faces import CONFIDENCE, is_count
 from faceedit_app.formats.numbers import shortest
 from faceedit_app.formats.rotations import DEGREES, in_degrees
@@ -40,10 +41,12 @@ class Styled:
     Attributes:
         content: of the file.
         note: what of the style could not be kept; "" if all was.
+        kept: the columns that are no channels and are kept all the same.
     """
 
     content: bytes
     note: str = ""
+    kept: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -65,23 +68,51 @@ class _Column:
     scale: float = 1.0
 
 
-def write_like(source: Source, clip: Clip, frames: Indices) -> Styled | None:
+@dataclass(frozen=True)
+class _Clock:
+    """How times are written.
+
+    Attributes:
+        place: as in `_Column`.
+        name: of the column.
+        text: the cell of a time, seconds from the first frame.
+        note: what could not be kept; "" if all was.
+    """
+
+    place: int
+    name: bytes
+    text: Callable[[float], bytes]
+    note: str = ""
+
+
+def has_style(source: Source, clip: Clip) -> bool:
+    """Whether a clip can be written in the style of a source's file: a CSV with these channels."""
+    if isinstance(source, RecodedSource):
+        return has_style(source.source, clip)
+    return isinstance(source, CsvSource) and len(source.columns) == len(clip.channels)
+
+
+def write_like(
+    source: Source, clip: Clip, frames: Indices, faceless: Faceless | None = None
+) -> Styled | None:
     """A clip in the style of a source's file; None if it is no CSV with these channels.
 
     Args:
         frames: (T,) the frame of the source that each frame of the clip is, or is made of. A cell
             with the number of that frame keeps its text.
+        faceless: the rows of the source without a face that are written as well.
     """
     if isinstance(source, RecodedSource):
-        found = write_like(source.source, clip, frames)
+        found = write_like(source.source, clip, frames, faceless)
         if found is None:
             return None
-        return Styled(found.content.decode().encode(source.encoding), found.note)
-    if not isinstance(source, CsvSource) or len(source.columns) != len(clip.channels):
+        return replace(found, content=found.content.decode().encode(source.encoding))
+    if not isinstance(source, CsvSource) or not has_style(source, clip):
         return None
     table = source.table
     names = table.cells(table.header)
-    times, note = _times(source, clip, names)
+    clock = _clock(source, clip, names, faceless)
+    times = _Column(clock.place, clock.name, [clock.text(time) for time in clip.times.tolist()])
     columns = [times, *_weights(source, clip, names), *_rotations(source, clip, names)]
     if source.flag is not None and is_count(table.names[source.flag]):
         count = str(len(columns) - 1).encode()
@@ -94,14 +125,24 @@ def write_like(source: Source, clip: Clip, frames: Indices) -> Styled | None:
         name = CONFIDENCE.encode() if own is None else names[own]
         place, numbers = (len(names), None) if own is None else (own, clip.confidence)
         columns.append(_Column(place, name, sure, numbers))
+    kept: tuple[str, ...] = ()
+    if faceless and source.flag is not None and source.flag not in [c.place for c in columns]:
+        # Nothing else may say which rows have a face.
+        flags = [table.cells(source.lines[frame])[source.flag] for frame in frames.tolist()]
+        columns.append(_Column(source.flag, names[source.flag], flags))
+        kept = (shown(table.names[source.flag], LONGEST_NAME),)
     columns.sort(key=lambda column: column.place)
-    head = [column.name for column in columns]
-    head[0] = head[0].removeprefix(BOM)
+    head = [column.name.removeprefix(BOM) for column in columns]
     first = table.lines[table.header]
     end = first[len(first.rstrip(b"\r\n")) :] or b"\n"
     mark = BOM if table.lines[0].startswith(BOM) else b""
-    rows = [head, *_rows(source, columns, frames)]
-    return Styled(mark + b"".join(table.delimiter.join(cells) + end for cells in rows), note)
+    rows = list(_rows(source, columns, frames))
+    if faceless:
+        rows += _faceless_rows(source, columns, columns.index(times), clock, faceless)
+        order = np.argsort(np.concatenate([clip.times, faceless.times]), kind="stable")
+        rows = [rows[k] for k in order.tolist()]
+    lines = (table.delimiter.join(cells) + end for cells in (head, *rows))
+    return Styled(mark + b"".join(lines), clock.note, kept)
 
 
 def _rows(source: CsvSource, columns: Sequence[_Column], frames: Indices) -> Iterator[list[bytes]]:
@@ -124,6 +165,22 @@ def _rows(source: CsvSource, columns: Sequence[_Column], frames: Indices) -> Ite
         row = list(cells)
         for k in np.flatnonzero(found == wanted).tolist():
             row[k] = texts[columns[k].place]
+        yield row
+
+
+def _faceless_rows(
+    source: CsvSource, columns: Sequence[_Column], times: int, clock: _Clock, faceless: Faceless
+) -> Iterator[list[bytes]]:
+    """The cells of each row without a face; a row that ends early still does.
+
+    Args:
+        times: which of the columns has the times.
+    """
+    for number, time in zip(faceless.rows.tolist(), faceless.times.tolist(), strict=True):
+        own = source.table.cells(source.lost[number])
+        count = max(sum(column.place < len(own) for column in columns), times + 1)
+        row = [own[c.place] if c.place < len(own) else b"" for c in columns[:count]]
+        row[times] = clock.text(time)
         yield row
 
 
@@ -160,8 +217,10 @@ def _rotations(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> list[_C
     return columns
 
 
-def _times(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> tuple[_Column, str]:
-    """The column of the times, and what could not be kept of it."""
+def _clock(
+    source: CsvSource, clip: Clip, names: Sequence[bytes], faceless: Faceless | None
+) -> _Clock:
+    """How the times are written; seconds begin with the first row."""
     decimal = source.table.decimal
     place = source.seconds
     if source.clock is not None and clip.timecodes:
@@ -171,15 +230,24 @@ def _times(source: CsvSource, clip: Clip, names: Sequence[bytes]) -> tuple[_Colu
             style, note = TimecodeStyle(), _IN_SIXTIETHS
         elif not style.fits(seconds):
             style, note = style.finer(), _IN_THOUSANDTHS
-        cells = [style.text(second).encode() for second in seconds.tolist()]
-        return _Column(source.clock, names[source.clock], cells), note
+        day, form = start_of_day(clip.timecodes), style
+        return _Clock(
+            source.clock, names[source.clock], lambda time: form.text(day + time).encode(), note
+        )
     if source.ticks is not None:
         place, ticks = source.ticks
         first = source.texts(place)[0]
         digits, begin = len(first.partition(".")[2]), float(first)
-        texts = (f"{begin + time * ticks:.{digits}f}" for time in clip.times.tolist())
-        return _Column(place, names[place], [t.encode().replace(b".", decimal) for t in texts]), ""
-    cells = [f"{time:.6f}".encode().replace(b".", decimal) for time in clip.times.tolist()]
+        return _Clock(
+            place,
+            names[place],
+            lambda time: f"{begin + time * ticks:.{digits}f}".encode().replace(b".", decimal),
+        )
+    lead = -min(float(faceless.times[0]), 0.0) if faceless else 0.0
+
+    def seconds_of(time: float) -> bytes:
+        return f"{lead + time:.6f}".encode().replace(b".", decimal)
+
     if place is None:
-        return _Column(-1, _SECONDS, cells), _IN_SECONDS
-    return _Column(place, names[place], cells), ""
+        return _Clock(-1, _SECONDS, seconds_of, _IN_SECONDS)
+    return _Clock(place, names[place], seconds_of)

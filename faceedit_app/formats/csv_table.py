@@ -56,7 +56,7 @@ class TableRows:
         lost: (R,) whether the row has no frame, because the face was lost.
         numbers: (T, N) float64, finite.
         lines: (T) the index of the line of each frame.
-        lost_lines: the lines of rows that have no frame, between the first and the last frame.
+        lost_lines: (R - T) the index of the line of each row that has no frame.
         units: (N,) what a row of units says of the number columns; empty if there is none.
     """
 
@@ -175,8 +175,8 @@ class Table:
         self._check(numbers, lost, number_columns, lines)
         frames = np.flatnonzero(~lost)
         kept = [lines[i] for i in frames]
-        between = [lines[i] for i in np.flatnonzero(lost) if kept and kept[0] < lines[i] < kept[-1]]
-        return TableRows(texts, lost, numbers[frames], kept, tuple(between), units)
+        without = tuple(lines[i] for i in np.flatnonzero(lost))
+        return TableRows(texts, lost, numbers[frames], kept, without, units)
 
     def text(self, cell: bytes) -> str:
         """A cell's text, with a point in a number."""

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arkit import ROTATION_INDEX
-from faceedit_app.core.arrays import Floats
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel, naming_of
@@ -22,6 +22,7 @@ from faceedit_app.formats.csv_table import (
     first_rows,
     read_table,
 )
+from faceedit_app.formats.faceless import lost_places, told_times
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.lost_faces import (
@@ -158,7 +159,9 @@ class _Places:
         """The rows of a table, without those at the end that are none."""
         rows = table.read(self.texts, channels.indices, self.flag)
         count = count_without_footer(rows.texts, rows.lost)
-        return replace(rows, texts=rows.texts[:count], lost=rows.lost[:count])
+        lost = rows.lost[:count]
+        lines = rows.lost_lines[: int(lost.sum())]
+        return replace(rows, texts=rows.texts[:count], lost=lost, lost_lines=lines)
 
     def cells(self, rows: TableRows, column: int) -> list[str]:
         """The texts of the frames in one of these columns."""
@@ -210,6 +213,7 @@ def csv_take(
         values=rows.numbers[:, ~empty],
         timing=settled(timing, stated, frames, times.kind == "timecode"),
         lost=rows.lost,
+        told=_told(table, places, rows, times),
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried.values()),
         notes=(
@@ -228,9 +232,8 @@ def csv_take(
     )
     source = partial(_source(table, columns, places, rows, times), degrees=turned.degrees)
     take = finish_take(recording, fps, source, lambda frame, _: rows.lines[frame] + 1)
-    if not rows.lost_lines:
-        return take
-    return replace(take, lost_rows=_lost_rows(places, rows, times))
+    lost = _lost_rows(places, rows, times, recording.told)
+    return replace(take, lost_rows=lost) if lost.positions else take
 
 
 def _source(
@@ -252,18 +255,25 @@ def _source(
     )
 
 
-def _lost_rows(places: _Places, rows: TableRows, times: RowTimes) -> LostRows:
-    """The rows `lost_lines`: evenly between the frames around them."""
-    lost, before = np.array(rows.lost_lines), np.searchsorted(rows.lines, rows.lost_lines) - 1
-    counts = np.bincount(before)
-    place = np.arange(len(lost)) - np.searchsorted(before, before)
-    positions = tuple((before + (place + 1) / (counts[before] + 1)).tolist())
+def _lost_rows(places: _Places, rows: TableRows, times: RowTimes, told: Times | None) -> LostRows:
+    """The rows without a face that lie between frames."""
+    where, last = lost_places(rows.lost, told), len(rows.lines) - 1
+    between = (where > 0) & (where < last)
+    positions = tuple(where[between].tolist())
     if times.kind != "timecode" or times.column is None:
         return LostRows(positions)
-    column, first = places.texts.index(times.column), int(np.argmin(rows.lost))
-    there = (first + np.flatnonzero(rows.lost[first:])[: len(lost)]).tolist()
+    column = places.texts.index(times.column)
+    there = np.flatnonzero(rows.lost)[between].tolist()
     texts = (rows.texts[row][column] for row in there)
     return LostRows(positions, tuple(text if is_timecode(text) else "" for text in texts))
+
+
+def _told(table: Table, places: _Places, rows: TableRows, times: RowTimes) -> Times | None:
+    """(R,) seconds of all rows on a clock of their own, if some of them have no face."""
+    if times.column is None or not rows.lost.any():
+        return None
+    place = places.texts.index(times.column)
+    return told_times([texts[place] for texts in rows.texts], table.names[times.column])
 
 
 def _times(table: Table, places: _Places, rows: TableRows) -> RowTimes:

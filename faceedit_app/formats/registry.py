@@ -35,6 +35,7 @@ from faceedit_app.formats import (
 )
 from faceedit_app.formats.csv_table import first_rows
 from faceedit_app.formats.encodings import as_utf8
+from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes, shown
 from faceedit_app.formats.foreign import recognise_foreign
 from faceedit_app.formats.other_readers import is_plain_csv, is_plain_livelink
@@ -60,7 +61,7 @@ class Format:
         write: encodes any clip in this format; None if only takes that were read from it can be
             written.
         write_like: as `write`, in the style of a source, given the frame of it that each frame
-            comes from; gives None for one that has no style.
+            comes from, and its rows without a face; gives None for one that has no style.
         is_plain: whether other programs read a file of this format, given its content and clip, as
             they read what `write` writes.
         tells_times: whether its frames have times, not only a rate.
@@ -78,8 +79,8 @@ class Format:
     sniff: Callable[[bytes], float]
     read: Callable[[Path, bytes, float | None], Take]
     write: Callable[[Clip], bytes] | None = None
-    write_like: Callable[[Source, Clip, Indices], csv_style.Styled | None] = (
-        lambda source, clip, frames: None
+    write_like: Callable[[Source, Clip, Indices, Faceless | None], csv_style.Styled | None] = (
+        lambda source, clip, frames, faceless: None
     )
     is_plain: Callable[[bytes, Clip], bool] = lambda content, clip: True
     tells_times: bool = True

@@ -15,6 +15,7 @@ from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import canonical_channel, similar_channel
 from faceedit_app.formats.changing_rates import stretches
+from faceedit_app.formats.faceless import Faceless, find_faceless
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.gaps import find_gaps, gap_notes, lost_notes
 from faceedit_app.formats.lost_faces import blank_notes
@@ -164,6 +165,7 @@ class Take:
         lost_rows: the rows that a fill can give weights to; None if the file has none.
         lead: seconds that the file has before its first face, which is at 0 s of the clip.
         own_rate: frames per second by the file's own times; None if it has none to go by.
+        faceless: all rows of the file without a face; None if there are none.
     """
 
     path: Path
@@ -177,6 +179,15 @@ class Take:
     lost_rows: LostRows | None = None
     lead: float = 0.0
     own_rate: float | None = None
+    faceless: Faceless | None = None
+
+    def without_face(self, filled: Floats | None) -> Faceless | None:
+        """The rows that have no face, also after fills gave `lost_rows` weights (L, K)."""
+        if self.faceless is None or filled is None:
+            return self.faceless
+        gone = self.faceless.between(self.clip)
+        gone[gone] = have_faces(filled)
+        return self.faceless.only(~gone)
 
     @property
     def other_rate(self) -> float | None:
@@ -214,6 +225,7 @@ class Recording:
         notes: the format's own notes.
         rotations, rotation_names, confidence: as in `Clip`.
         scale: the value of a full blendshape in the file, if the format says it.
+        told: (R,) seconds of all rows on a clock of their own, if the format says them.
     """
 
     path: Path
@@ -229,6 +241,7 @@ class Recording:
     rotation_names: tuple[str, ...] = ROTATIONS
     confidence: Floats | None = None
     scale: float | None = None
+    told: Times | None = None
 
 
 def finish_take(
@@ -300,6 +313,7 @@ def finish_take(
         fps=fps,
         lead=lead,
         own_rate=None if isinstance(found, NoTimes) else found.rate,
+        faceless=find_faceless(recording.lost, clip, recording.told),
     )
 
 

@@ -19,12 +19,14 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.core.resample import interpolate
 from faceedit_app.editing.edits.clock import CROSSFADE
 from faceedit_app.formats.converting import timecodes_at
+from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.gaps import find_gaps
 
 LONGEST_INSERT = 600.0  # seconds
 _EASE = 0.15  # seconds in which the face comes to rest, and in which it sets off
 _BRIDGED = CROSSFADE  # seconds of a gap across which frames are mixed as if there were none
 _INSTANT = 1e-6  # seconds
+_MISSED = 0.25  # frames
 
 
 @dataclass(frozen=True)
@@ -100,9 +102,34 @@ class Spliced:
         """
         found = times - self.pieces[0].later
         for piece in self.pieces:
-            moment = np.minimum(times - piece.later, piece.end)
+            last = np.inf if piece is self.pieces[-1] else piece.end
+            moment = np.minimum(times - piece.later, last)
             found = np.where(times >= piece.shown, moment, found)
         return found
+
+    def without_face(self, rows: Faceless) -> Faceless:
+        """The take's rows without a face that stay, at their new times.
+
+        Time that is inserted where such a row lies has no face either: the row is repeated.
+        """
+        step = 1.0 / self.clip.rate
+        found, later = list[Indices](), list[Times]()
+        for number, piece in enumerate(self.pieces):
+            if number and not piece.has_rest:
+                end = self.pieces[number - 1].end
+                begin = end + self.pieces[number - 1].later
+                row = int(np.argmin(np.abs(rows.times - end)))
+                is_there = abs(float(rows.times[row]) - end) < step
+                count = round((piece.shown - begin) / step) if is_there else 0
+                found.append(np.full(count, rows.rows[row]))
+                later.append(np.asarray(begin + np.arange(count) * step, np.float64))
+            # Rows may miss the places of frames slightly; those beyond all faces stay.
+            start = piece.start - _MISSED * step if number else -np.inf
+            stop = piece.end - _MISSED * step if piece is not self.pieces[-1] else np.inf
+            here = (rows.times >= start) & (rows.times < stop)
+            found.append(rows.rows[here])
+            later.append(rows.times[here] + piece.later)
+        return Faceless(np.concatenate(found), np.concatenate(later))
 
 
 def splice(clip: Clip, splices: Sequence[Splice]) -> Spliced:
