@@ -41,6 +41,25 @@ def test_a_take_is_cut_and_lengthened_with_sound_and_words(
     assert found.words[0].start == pytest.approx(1.5, abs=1e-3)
 
 
+def test_words_stay_in_step_with_the_sound_of_a_take_that_has_no_face_at_first(
+    tmp_path: Path,
+) -> None:
+    take, new = make_plain_csv(tmp_path / "take.csv", 3.0), tmp_path / "new.csv"
+    head, *rows = take.read_text().splitlines()
+    for row in range(6):
+        rows[row] = rows[row].split(",")[0] + "," * head.count(",")
+    take.write_text("\n".join([head, *rows]) + "\n")
+    make_wav(tmp_path / "take.wav", 3.0)
+    grid = tmp_path / "take.TextGrid"
+    write_words(grid, said(("map", "M AE P"), start=1.6), 3.0)
+    arguments = (take, "--cut", "0.5-1.0", "--words", grid, "-o", new)
+    assert main(["retime", *map(str, arguments)]) == 0
+    found = read_words(tmp_path / "new.TextGrid").transcript
+    assert found is not None
+    assert found.words[0].start == pytest.approx(1.1, abs=1e-3)
+    assert open_take(new).lead == open_take(take).lead == 0.2
+
+
 def test_a_new_take_is_replaced_only_if_asked_and_described_as_json(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], complaint: Callable[..., str]
 ) -> None:

@@ -81,6 +81,25 @@ def test_rows_that_got_a_face_keep_it_in_a_shorter_take(path: Path) -> None:
     np.testing.assert_allclose(clip.weights[40:], there.weights[70:], atol=1e-6)
 
 
+def test_a_shorter_take_keeps_the_rows_that_no_fill_reached_ready_to_be_filled(path: Path) -> None:
+    session = session_by_rig(path)
+    session.add(replace(FILL, end=2.2))  # of 2.0 to 2.5 s
+    out, filled = path.with_name("out.csv"), session.filled_rows()
+    cut = [Splice(0.5, 1.0)]
+    write_spliced(session.take, session.edited_clip(), cut, out, Placement(), filled=filled)
+    take = open_take(out)
+    assert take.lost_rows is not None
+    left = take.lost_rows.times(take.clip)
+    assert len(left) == len(LOST) - 13
+    np.testing.assert_allclose(left, np.arange(133, 150) / 60 - 0.5, atol=1e-3)
+    old, new = path.read_bytes().splitlines(), out.read_bytes().splitlines()
+    assert len(new) == len(old) - 30
+    assert [line.partition(b",")[2] for line in new[1 + 103 : 1 + 120]] == [b"0"] * len(left)
+    again = session_by_rig(out)
+    again.add(replace(FILL, start=1.5, end=2.2))
+    assert len(open_take(exported(again)).clip) == len(take.clip) + len(left)
+
+
 def test_every_other_row_keeps_its_bytes(path: Path) -> None:
     session = session_by_rig(path)
     session.add(FILL)

@@ -17,6 +17,7 @@ from faceedit_app.core.errors import FaceEditError
 from faceedit_app.editing.edits.clock import CROSSFADE
 from faceedit_app.editing.edits.splice import LONGEST_INSERT, Splice, splice
 from faceedit_app.formats import livelink
+from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.gaps import find_gaps
 from faceedit_app.formats.opening import open_take
 
@@ -136,6 +137,12 @@ def test_any_splices_around_a_gap_give_a_take_without_foreign_frames_or_a_refusa
     assert (np.diff(found.times) > 0.9 / RATE).all()
     ends = made.pieces[-1].end + made.pieces[-1].later
     assert found.duration == pytest.approx(ends)
+    # If each lost frame has a row, the new take has neither holes nor two rows at one time.
+    lost = CLIP.times[~np.isin(CLIP.times, clip.times)]
+    rows = made.without_face(Faceless(np.arange(len(lost)), lost))
+    times = np.concatenate([found.times, rows.times])
+    np.testing.assert_allclose(np.sort(times), np.arange(len(times)) / RATE, atol=1e-6)
+    assert (np.diff(rows.times) > 0).all()
     moments = np.linspace(0, clip.duration, 50)
     assert (np.diff(made.at(moments)) >= -1e-9).all()
 

@@ -77,6 +77,32 @@ def test_sound_follows_a_splice_in_a_gap(
     assert burst_of(found.sound) == pytest.approx(heard, abs=0.03)
 
 
+def test_sound_and_film_begin_and_end_with_rows_without_a_face(tmp_path: Path) -> None:
+    take = make_plain_csv(tmp_path / "take.csv", 2.0)
+    head, *rows = take.read_text().splitlines()
+    for row in (*range(6), *range(57, 60)):
+        rows[row] = rows[row].split(",")[0] + "," * head.count(",")
+    take.write_text("\n".join([head, *rows]) + "\n")
+    make_film(tmp_path / "take.mp4", frames=60, sound=1.0)
+    found = written(take, tmp_path / "new.csv", Splice(0.2, 0.4))
+    again = open_take(found.path)
+    assert len(again.clip) == 51 - 6
+    assert len(found.path.read_text().splitlines()) == 1 + 54
+    assert found.begin == pytest.approx(-again.lead) == pytest.approx(-0.2)
+    media = media_of(again)
+    assert media.sound is not None
+    assert found.sound is not None
+    # 0.8 s after the first face, of which 0.2 s are cut out.
+    assert burst_of(found.sound) + media.sound.offset == pytest.approx(0.6, abs=0.03)
+    sound = read_sound(found.sound)
+    assert sound is not None
+    assert len(sound.samples) == pytest.approx(1.8 * sound.rate, abs=1)
+    film = Film(tmp_path / "new.mp4")
+    assert [number_of(film.picture(k)) for k in (0, 11, 12, 53)] == [0, 11, 18, 59]
+    assert len(film) == 54
+    film.close()
+
+
 def test_samples_beyond_the_joints_are_those_of_the_sound(tmp_path: Path) -> None:
     take, sound = make_plain_csv(tmp_path / "take.csv", 2.0), tmp_path / "other.wav"
     make_wav(sound, 2.0, channels=2)
