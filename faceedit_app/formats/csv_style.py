@@ -17,11 +17,10 @@ from faceedit_app.core.arkit import ROTATION_INDEX
 from faceedit_app.core.arrays import Floats, Indices, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.formats.csv_source import CsvSource, bare
-from faceedit_app.formats.csv_take import confidence_cells
 from faceedit_app.formats.encodings import RecodedSource
 from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.files import BOM, LONGEST_NAME, shown
-from faceedit_app.formats.lost_faces import CONFIDENCE, is_count
+from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_cells, is_count
 from faceedit_app.formats.numbers import shortest
 from faceedit_app.formats.rotations import DEGREES, in_degrees
 from faceedit_app.formats.take import Source

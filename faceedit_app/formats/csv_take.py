@@ -27,7 +27,7 @@ from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.lost_faces import (
     CONFIDENCE,
-    LEAST_SURE,
+    confidence_cells,
     confidence_of,
     count_without_footer,
     flag_column,
@@ -95,11 +95,6 @@ def write(clip: Clip) -> bytes:
         sure = [CONFIDENCE, *confidence_cells(clip.confidence)]
         lines = [f"{line},{cell}" for line, cell in zip(lines, sure, strict=True)]
     return ("\n".join(lines) + "\n").encode()
-
-
-def confidence_cells(confidence: Floats) -> list[str]:
-    """The texts of (T,) confidences; one of 0 would mean that the face was lost."""
-    return [f"{max(v, LEAST_SURE):.3f}" if v > 0 else "" for v in confidence.tolist()]
 
 
 @dataclass(frozen=True)

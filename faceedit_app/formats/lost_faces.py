@@ -68,6 +68,11 @@ def confidence_of(numbers: Doubles) -> Floats | None:
     return numbers.astype(np.float32) if fits else None
 
 
+def confidence_cells(confidence: Floats) -> list[str]:
+    """The texts of (T,) confidences; one of 0 would mean that the face was lost."""
+    return [f"{max(v, LEAST_SURE):.3f}" if v > 0 else "" for v in confidence.tolist()]
+
+
 def is_count(name: str) -> bool:
     """Whether a flag is the number of values in a row."""
     return letters(name) in _COUNTS
