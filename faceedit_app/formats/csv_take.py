@@ -40,7 +40,7 @@ from faceedit_app.formats.rotations import Turned, found_rotations, read_rotatio
 from faceedit_app.formats.several_faces import likely_face, named_face
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import RowTimes, counts_steps, read_times, time_columns
 from faceedit_app.formats.timecode import is_timecode
 from faceedit_app.formats.timecode_readings import OWN_BASE_NOTES
 from faceedit_app.formats.timing import NoTimes, of_pictures
@@ -235,6 +235,7 @@ def _source(
     table: Table, columns: Columns, places: _Places, rows: TableRows, times: RowTimes
 ) -> Callable[..., CsvSource]:
     """What writes the table again, once scale and rotations are known."""
+    steps = times.column is not None and counts_steps(table.names[times.column])
     return partial(
         CsvSource,
         table,
@@ -244,7 +245,7 @@ def _source(
         lost=rows.lost_lines,
         flag=places.flag,
         confidence=places.confidence,
-        seconds=times.column if times.kind == "seconds" else None,
+        seconds=times.column if times.kind == "seconds" and not steps else None,
         clock=times.column if times.kind == "timecode" else None,
         ticks=_ticks(places, rows, times),
     )

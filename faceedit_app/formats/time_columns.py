@@ -110,6 +110,11 @@ def time_columns(names: Sequence[str]) -> list[int]:
     return [k for rank, k in sorted(ranked) if rank < 9]
 
 
+def counts_steps(name: str) -> bool:
+    """Whether a column of this name has the time since the row before."""
+    return not _STEP_WORDS.isdisjoint(_words(name))
+
+
 def read_times(
     table: Table, columns: Sequence[int], texts: Sequence[Sequence[str]], lines: Sequence[int]
 ) -> RowTimes:
@@ -312,7 +317,7 @@ def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:
         if number is None or not np.isfinite(number):
             raise BadTimecode(row, text)
         values[row] = number
-    if not _STEP_WORDS.isdisjoint(_words(name)) and np.all(values[1:] > 0):
+    if counts_steps(name) and np.all(values[1:] > 0):
         values = np.cumsum(values)
     unit = _NUMBER.fullmatch(cells[0])
     return number_times(values, f"{name} {unit[2]}" if unit else name)

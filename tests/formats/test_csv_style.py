@@ -183,16 +183,25 @@ def test_a_cut_keeps_the_unit_of_the_times(
     assert open_take(out).clip.rate == 25
 
 
+@pytest.mark.parametrize(
+    ("name", "stamp"),
+    [
+        ("time", lambda n: f"2024-03-01T12:00:{n // 25:02d}.{n % 25 * 40:03d}"),
+        ("delta", lambda n: "0.04"),
+    ],
+)
 def test_times_that_become_seconds_are_said(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    name: str,
+    stamp: Callable[[int], str],
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     take, out = tmp_path / "take.csv", tmp_path / "out.csv"
-    rows = "".join(
-        f"2024-03-01T12:00:{n // 25:02d}.{n % 25 * 40:03d},0.{n:02d}\n" for n in range(FRAMES)
-    )
-    take.write_text("time,jawOpen\n" + rows)
+    rows = "".join(f"{stamp(n)},0.{n:02d}\n" for n in range(FRAMES))
+    take.write_text(f"{name},jawOpen\n{rows}")
     assert main(["retime", str(take), "--cut", "1-2", "-o", str(out)]) == 0
     assert "its times are now seconds, as time_s" in capfd.readouterr().out
+    assert open_take(out).clip.duration == pytest.approx(FRAMES / 25 - 1.0)
 
 
 @pytest.mark.parametrize("ending", [".ndjson", ".anim"])
