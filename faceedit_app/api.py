@@ -231,7 +231,7 @@ class Take:
         at, clip = number("at", at), self.session.take.clip
         by_name.check_inside(clip, at, at)
         self.session.live.work()
-        edit = neutral_at(self.session, clip.frame_at(at), 0.0, clip.duration)
+        edit = neutral_at(self.session, at, 0.0, clip.duration)
         if edit is not None:
             self.session.add(edit)
         return self

@@ -28,13 +28,13 @@ from faceedit_app.editing.files.fingerprint import (
 from faceedit_app.editing.files.originals import make_way
 from faceedit_app.editing.history import EditHistory
 from faceedit_app.editing.solving.answerable import Lack
-from faceedit_app.editing.solving.filled_frames import FilledFrames, filled_frames
+from faceedit_app.editing.solving.filled_frames import AllFrames, FilledFrames, filled_frames
 from faceedit_app.editing.solving.filled_rows import FilledRows
 from faceedit_app.editing.solving.live import Live
 from faceedit_app.editing.solving.solver import Solver
 from faceedit_app.editing.steps import EditState
 from faceedit_app.formats.opening import encoded_take
-from faceedit_app.formats.take import RoundingSource, Take, have_faces
+from faceedit_app.formats.take import LostRows, RoundingSource, Take, have_faces
 
 if TYPE_CHECKING:  # the networks are imported after the window is up
     from faceedit_app.networks.engine import Engine
@@ -200,19 +200,30 @@ class EditSession(EditHistory):
     def filled_frames(self) -> FilledFrames | None:
         """The frames that fills give to gaps, as shown: also those of a preview; None if none."""
         lost, shown = self.take.lost_rows, self._steps.shown
-        rows = self._rows_of(shown) if _has_fills(shown.edits) else None
-        return filled_frames(self.take.clip, lost, rows, self._solver.distances.measure)
+        if lost is None or not _has_fills(shown.edits):
+            return None
+        measure = self._solver.distances.measure
+        rows, asked = self._rows_of(lost, shown)
+        return filled_frames(self.take.clip, lost, rows, asked, self.tracked, measure)
+
+    def all_frames(self) -> AllFrames:
+        """The take's frames and those that fills give to gaps, as shown: what the face does.
+
+        Its arrays may be live: read them, but do not keep or change them.
+        """
+        filled = self.filled_frames()
+        curves = self.tracked, self.asked, self.achieved
+        return AllFrames(self.take.clip, self.weights, *curves).with_filled(filled)
 
     def filled_rows(self) -> Floats | None:
         """(L, K) the weights that fills give to the take's `lost_rows`, NaN where none does."""
-        return self._rows_of(self.state)
-
-    def _rows_of(self, state: EditState) -> Floats | None:
         lost = self.take.lost_rows
-        if lost is None:
-            return None
+        return None if lost is None else self._rows_of(lost, self.state)[0]
+
+    def _rows_of(self, lost: LostRows, state: EditState) -> tuple[Floats, Floats]:
         self.live.work()
-        return self._filled.find(lost, state.edits, state.settings, self.weights)
+        edits, settings = state.edits, state.settings
+        return self._filled.find(lost, edits, settings, self.weights, self.asked)
 
     def export(self, path: Path | str, overwrite: bool = False) -> Path | None:
         """Write the edited take in its own format.

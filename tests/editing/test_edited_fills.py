@@ -2,23 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.faces import random_engine
 from support.sessions import session_by_rig
+from support.speech import said
 from support.takes import make_livelink_csv
 
 from faceedit_app.core.arrays import Floats
-from faceedit_app.core.controls import CONTROL_IDS, LIDS, MOUTH_CORNERS
+from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX, LIDS, LIP_OPENING, MOUTH_CORNERS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.settings import Mode, Settings
+from faceedit_app.editing.help.articulation import articulate
+from faceedit_app.editing.help.calibrating import neutral_at
+from faceedit_app.editing.help.clipboard import TOLERANCE, Copied, copy_range
+from faceedit_app.editing.help.fixes import apply_preset
+from faceedit_app.editing.help.presets import find_preset
+from faceedit_app.editing.help.spoken import closing_edits, shaping_edits
 from faceedit_app.editing.session import EditSession
 
 LOST = range(120, 150)  # 2.0 to 2.5 s
 FILL = Edit(CONTROL_IDS, Op.FILL, 1.8, 2.7, 0.0)
 OPENED = Edit(("mouth_opening",), Op.OFFSET, 2.2, 2.3, 0.1, 5.0)
+SMILE = Edit(MOUTH_CORNERS[:1], Op.OFFSET, 2.15, 2.15, 0.12, 2.5)
+SHUT = Edit(("mouth_opening",), Op.SET, 2.2, 2.22, 0.08, 1.2)
+NEARLY = Edit(("mouth_opening",), Op.SET, 2.34, 2.36, 0.06, 4.8)
+WORDS = said(("bob", "B AA B"), ("fur", "F W"), start=1.98, each=0.1)
+OPENING = CONTROL_INDEX[LIP_OPENING]
 
 
 @pytest.fixture
@@ -62,6 +76,107 @@ def test_a_row_is_edited_as_if_it_had_always_had_its_face(
     rows = rows_of(session)
     assert np.abs(rows - before).max() > 0.05
     np.testing.assert_allclose(rows, other.clip_weights()[LOST.start : LOST.stop], atol=near)
+    frames, there = session.all_frames(), slice(LOST.start, LOST.stop)
+    np.testing.assert_allclose(frames.times, other.take.clip.times)
+    np.testing.assert_array_equal(frames.weights[there], frames.clip.arkit_weights()[there])
+    np.testing.assert_allclose(frames.weights[there], other.weights[there], atol=near)
+    np.testing.assert_allclose(frames.asked[there], other.asked[there], atol=40 * near)
+    np.testing.assert_allclose(frames.achieved[there], other.achieved[there], atol=40 * near)
+
+
+def copied(session: EditSession) -> tuple[Edit, ...]:
+    return copy_range(session, 1.9, 2.6, CONTROL_IDS, Copied.CURVE).paste(4.0)
+
+
+def copied_within(session: EditSession) -> tuple[Edit, ...]:
+    return copy_range(session, 2.05, 2.4, what=Copied.CURVE).paste(4.0)
+
+
+def mirrored(session: EditSession) -> tuple[Edit, ...]:
+    return copy_range(session, 2.05, 2.4, MOUTH_CORNERS, Copied.CURVE).mirrored().paste(2.05)
+
+
+def surprised(session: EditSession) -> tuple[Edit, ...]:
+    """Between the closures that are there."""
+    return apply_preset(session, find_preset("surprise"), (2.0, 2.48), 2.3)
+
+
+def closed(session: EditSession) -> tuple[Edit, ...]:
+    """Where lips nearly met."""
+    return apply_preset(session, find_preset("close_lips"), (2.0, 2.48), 2.3)
+
+
+def said_clearly(session: EditSession) -> tuple[Edit, ...]:
+    return articulate(session, WORDS, (2.04, 2.46), 1.0)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        copied,
+        copied_within,
+        mirrored,
+        surprised,
+        closed,
+        closing_edits,
+        shaping_edits,
+        said_clearly,
+    ],
+)
+def test_what_a_command_reads_there_is_what_the_face_does(
+    session: EditSession, command: Callable[[EditSession], tuple[Edit, ...]]
+) -> None:
+    """It does the same with the rows of the gap as if they had been tracked."""
+    session.export(session.take.path.with_name("whole.csv"))
+    tracked = session_by_rig(session.take.path.with_name("whole.csv"))
+    for each in (session, tracked):
+        each.say(WORDS)
+        each.add(SMILE, SHUT, NEARLY)
+    edits, before = command(session), tracked.asked.copy()
+    assert edits
+    tracked.add(*edits)
+    found = tracked.asked.copy()
+    assert np.abs(found - before).max() > 1.0
+    tracked.undo()
+    tracked.add(*command(tracked))
+    np.testing.assert_allclose(found, tracked.asked, atol=0.2)
+
+
+def test_changes_of_filled_rows_are_copied_with_what_the_fill_did(session: EditSession) -> None:
+    """As those of frames are: the change is that from the line between the frames around."""
+    session.add(OPENED)
+    for start, end in ((1.9, 2.6), (2.05, 2.4)):
+        frames = session.all_frames()
+        rows = (frames.times > start - 1e-6) & (frames.times < end + 1e-6)
+        change = (frames.asked - frames.tracked)[rows]
+        assert np.abs(change[:, OPENING]).max() > 3.0
+        for control, points in copy_range(session, start, end).curves:
+            seconds, mm = np.array(points).T
+            copied = np.interp(frames.times[rows] - start, seconds, mm)
+            wanted = change[:, CONTROL_INDEX[control]]
+            np.testing.assert_allclose(copied, wanted, atol=1.1 * TOLERANCE)
+
+
+def test_rows_without_a_face_are_not_copied(path: Path) -> None:
+    session = session_by_rig(path)
+    assert copy_range(session, 2.05, 2.4, what=Copied.CURVE).is_empty
+    session.add(replace(FILL, start=2.1, end=2.2))
+    assert len(session.all_frames().times) == len(session.take.clip) + 7
+    (_, points), *_ = copy_range(session, 2.05, 2.4, what=Copied.CURVE).curves
+    assert (points[0][0], points[-1][0]) == (pytest.approx(0.05), pytest.approx(0.15))
+
+
+def test_a_filled_frame_is_made_neutral(session: EditSession) -> None:
+    edit = neutral_at(session, 2.25, 0.0, session.take.clip.duration)
+    session.export(session.take.path.with_name("whole.csv"))
+    other = session_by_rig(session.take.path.with_name("whole.csv"))
+    same = neutral_at(other, 2.25, 0.0, session.take.clip.duration)
+    assert edit is not None
+    assert same is not None
+    assert edit.channels == same.channels
+    np.testing.assert_allclose(edit.amounts, same.amounts, atol=1e-5)
+    session.add(edit)
+    assert rows_of(session)[15].max() < 1e-3
 
 
 def test_an_edit_beside_a_gap_does_not_reach_through_it(session: EditSession) -> None:

@@ -32,8 +32,8 @@ def squinting() -> Clip:
     return replace(clip, weights=weights)
 
 
-def neutral(session: EditSession, frame: int = 0) -> Edit:
-    edit = neutral_at(session, frame, 0.0, session.take.clip.duration)
+def neutral(session: EditSession) -> Edit:
+    edit = neutral_at(session, 0.0, 0.0, session.take.clip.duration)
     assert edit is not None
     return edit
 

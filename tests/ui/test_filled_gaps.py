@@ -18,6 +18,7 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.exporting import changed_frames
 from faceedit_app.formats.opening import open_take
 from faceedit_app.ui.start.window import MainWindow
+from faceedit_app.ui.state.gap_frames import edited_at
 
 LOST = range(100, 112)
 OPENING = CONTROL_INDEX[LIP_OPENING]
@@ -184,6 +185,14 @@ def test_other_edits_and_the_tracked_face_are_shown_in_a_gap_too(window: MainWin
     session.add(Edit((LIP_OPENING,), Op.OFFSET, 1.4, 2.2, 0.2, 6.0))
     assert line.filled_frames is not None
     assert (line.filled_frames.controls[:, OPENING] > before.controls[:, OPENING] + 2).all()
+    curves, (gap,) = editor.curves._curves, session.take.clip.gap_times
+    assert curves is not None
+    asked = curves.lines(OPENING).asked
+    inside = (asked.x > gap[0]) & (asked.x < gap[1])
+    np.testing.assert_array_equal(asked.y[inside], line.filled_frames.asked[:, OPENING])
+    wanted = before.asked[:, OPENING] + 6.0, asked.y[inside]
+    np.testing.assert_allclose(*wanted, atol=0.01)
+    assert edited_at(session, line)[0][OPENING] == line.filled_frames.asked[4, OPENING]
     edited = editor.face._shown[0]
     trigger(window, "show_tracked")
     tracked = editor.face._tracked_pose(session)
@@ -191,6 +200,34 @@ def test_other_edits_and_the_tracked_face_are_shown_in_a_gap_too(window: MainWin
     assert (tracked >= frames.min(axis=0) - 1e-6).all()
     assert (tracked <= frames.max(axis=0) + 1e-6).all()
     assert not np.array_equal(tracked, edited)
+
+
+def test_the_face_in_a_gap_is_copied_mirrored_and_made_neutral(window: MainWindow) -> None:
+    session, line, said = session_of(window), window.timeline, window.status.currentMessage
+    line.select((LOST[2] / 60, LOST[8] / 60))
+    for name in ("copy", "mirror"):
+        trigger_enabled(window, name)
+        assert said() == f"There is no frame in the selection to {name}; select a longer range"
+    trigger_enabled(window, "next_problem", "fix_problem", "accept_fix")
+    line.select((LOST[2] / 60, LOST[8] / 60))
+    assert line.filled_frames is not None
+    filled = line.filled_frames.controls[2:9, OPENING]
+    for name in ("copy", "copy_changes"):
+        trigger_enabled(window, name)
+        assert said().startswith("Copied 0.10 s of ")
+    trigger_enabled(window, "copy")
+    line.go_to_frame(40)
+    trigger_enabled(window, "paste")
+    np.testing.assert_allclose(session.asked[40:47, OPENING], filled, atol=0.1)
+    trigger_enabled(window, "undo", "mirror")
+    assert [edit.name for edit in session.edits[-1:]] == ["Mirrored"]
+    trigger_enabled(window, "undo")
+    line.select(None)
+    line.go_to_time(LOST[4] / 60)
+    trigger_enabled(window, "neutral_frame")
+    assert line.filled == 4
+    jaw = ARKIT_INDEX["jawOpen"]
+    assert line.filled_frames.weights[4, jaw] < 1e-3 < session.weights[:, jaw].max()
 
 
 def test_another_take_has_no_filled_frames(bench: Bench, window: MainWindow) -> None:

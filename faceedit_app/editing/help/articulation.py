@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles, Times
+from faceedit_app.core.arrays import Doubles
 from faceedit_app.core.controls import (
     CONTROL_INDEX,
     CONTROLS,
@@ -20,6 +20,7 @@ from faceedit_app.core.controls import (
 from faceedit_app.editing.edits.edit import Edit, Op, fade
 from faceedit_app.editing.help.spoken import LipGap, dip_at
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.filled_frames import AllFrames
 from faceedit_app.words.speech_sounds import Lips, lips_of
 from faceedit_app.words.transcript import Transcript
 
@@ -45,16 +46,17 @@ def articulate(
         words: in seconds of the take.
         span: first and last second.
     """
-    times = session.take.clip.times
+    frames = session.all_frames()
+    times = frames.times
     where = np.flatnonzero((times >= span[0]) & (times <= span[1]))
     if not len(where) or not amount:
         return ()
-    free = 1.0 - _touching(words, times, session)[where]
+    free = 1.0 - _touching(words, frames, session)[where]
     made = []
     for control in _MOVED:
         if control in session.lacks:
             continue
-        curve = session.achieved[:, CONTROL_INDEX[control]].astype(np.float64)
+        curve = frames.achieved[:, CONTROL_INDEX[control]].astype(np.float64)
         is_opening = control == LIP_OPENING
         rest = LipGap.of(session.rig).touching if is_opening else float(np.median(curve))
         # Where lips meet, the other curves stay too: lips that rise and drop would part them.
@@ -71,12 +73,13 @@ def articulate(
     return tuple(made)
 
 
-def _touching(words: Transcript, times: Times, session: EditSession) -> Doubles:
-    """(T,) 1 where lips touch each other or the teeth for a phoneme, fading to 0."""
+def _touching(words: Transcript, frames: AllFrames, session: EditSession) -> Doubles:
+    """(N,) 1 where lips touch each other or the teeth for a phoneme, fading to 0."""
     curves: dict[Lips | None, Doubles] = {
-        Lips.CLOSE: LipGap.of(session.rig).measure(session.weights),  # as closures are found
-        Lips.TEETH: session.achieved[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64),
+        Lips.CLOSE: LipGap.of(session.rig).measure(frames.weights),  # as closures are found
+        Lips.TEETH: frames.achieved[:, CONTROL_INDEX[LIP_OPENING]].astype(np.float64),
     }
+    times = frames.times
     touching = np.zeros(len(times))
     for _, phoneme in words.phonemes():
         curve = curves.get(lips_of(phoneme.symbol))

@@ -8,6 +8,7 @@ import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS, ARKIT_INDEX
 from faceedit_app.core.arrays import Floats
+from faceedit_app.core.clip import nearest
 from faceedit_app.core.levels import UNCHANGED, Level
 from faceedit_app.editing.edits.dividing import divided, is_behind
 from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
@@ -29,23 +30,26 @@ _SHORTEST = 3.0  # seconds; in less, a face may well not come to rest
 
 
 def neutral_at(
-    session: EditSession, frame: int, start: float, end: float, falloff: float = 0.0
+    session: EditSession, at: float, start: float, end: float, falloff: float = 0.0
 ) -> Edit | None:
-    """The edit that makes the pose of a frame neutral; None if it is neutral.
+    """The edit that makes the pose at a time neutral; None if it is neutral.
 
     Edits of curves are no part of the rest: they act on the take without it.
 
     Args:
-        frame: the frame.
+        at: seconds, of the frame; it may be one that a fill gave to a gap.
         start, end, falloff: seconds, where the rest is taken away.
     """
-    shown = _without(session, session.weights[frame], start, end, falloff)
+    frames = session.all_frames()
+    peaks = frames.weights.max(axis=0)
+    shown = _without(frames.weights[nearest(frames.times, at)], peaks, start, end, falloff)
     if any(edit.op in OF_THE_TAKE for edit in session.edits):
         return shown
     _, then = divided(session.edits)
     if shown is not None and is_behind(shown.channels, then):
         return shown
-    return _without(session, session.take.clip.arkit_weights()[frame], start, end, falloff)
+    clip = session.take.clip  # which no fill changes
+    return _without(clip.arkit_weights()[clip.frame_at(at)], peaks, start, end, falloff)
 
 
 def neutral_rest(session: EditSession) -> Edit | None:
@@ -62,17 +66,15 @@ def neutral_rest(session: EditSession) -> Edit | None:
     if (rests <= list(NOT_NEUTRAL.values())).all():
         return None
     rest = np.percentile(weights, _REST_PERCENTILE, axis=0).astype(np.float32)
-    return _without(session, rest, 0.0, clip.duration, 0.0)
+    peaks = session.all_frames().weights.max(axis=0)
+    return _without(rest, peaks, 0.0, clip.duration, 0.0)
 
 
-def _without(
-    session: EditSession, pose: Floats, start: float, end: float, falloff: float
-) -> Edit | None:
-    """The edit that takes a pose (52,) away.
+def _without(pose: Floats, peaks: Floats, start: float, end: float, falloff: float) -> Edit | None:
+    """The edit that takes a pose (52,) away from a take with peaks (52,) of its channels.
 
     The gaze is no part of a rest: taking it away would move the eyes of all other frames.
     """
-    peaks = session.weights.max(axis=0)
     amounts = {
         name: _amounts(float(pose[k]), float(peaks[k]))
         for k, name in enumerate(ARKIT_CHANNELS)

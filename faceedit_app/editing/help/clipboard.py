@@ -49,7 +49,7 @@ class Clipboard:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to paste, because the range had no changes."""
+        """Whether there is nothing to paste: the range had no changes, or no frame."""
         return not self.curves
 
     def mirrored(self) -> Clipboard:
@@ -92,8 +92,12 @@ def copy_range(
     controls: Sequence[str] = MAIN_CONTROLS,
     what: Copied = Copied.CHANGE,
 ) -> Clipboard:
-    """Copy curves from `start` to `end` seconds; unchanged curves are left out."""
-    times = session.take.clip.times
+    """Copy curves from `start` to `end` seconds.
+
+    Of changes, curves without any are left out. Frames that fills give to gaps are copied as well.
+    """
+    frames = session.all_frames()
+    times = frames.times
     rows = slice(*(int(i) for i in np.searchsorted(times, (start - 1e-9, end + 1e-9))))
     if rows.start == rows.stop:
         return Clipboard(what, max(end - start, 0.0), ())
@@ -102,11 +106,11 @@ def copy_range(
     for control in sorted(controls, key=CONTROL_INDEX.__getitem__):
         column = CONTROL_INDEX[control]
         if what is Copied.CHANGE:
-            values = session.asked[rows, column] - session.tracked[rows, column]
+            values = frames.asked[rows, column] - frames.tracked[rows, column]
             if not np.any(np.abs(values) > TOLERANCE):
                 continue
         else:
-            values = session.achieved[rows, column]
+            values = frames.achieved[rows, column]
         curves.append((control, simplify(seconds, values.astype(np.float64))))
     return Clipboard(what, end - start, tuple(curves))
 

@@ -20,6 +20,7 @@ from faceedit_app.editing.help.events import (
 from faceedit_app.editing.help.habits import habits_of, half_blinks, missed_closures
 from faceedit_app.editing.help.presets import Alone, Find, Preset
 from faceedit_app.editing.session import EditSession
+from faceedit_app.editing.solving.filled_frames import AllFrames
 
 TOUCHING = 0.5  # mm; the mouth opening of touching lips, for a take in which they never touch
 NEAR = 0.3  # seconds around the playhead that a fix searches
@@ -41,7 +42,8 @@ def apply_preset(
         playhead: seconds.
         falloff: seconds; replaces the falloff of shipped presets on a selection; None = theirs.
     """
-    found = _mend(session, preset, selection, playhead)
+    frames = session.all_frames()
+    found = _mend(session, frames, preset, selection, playhead)
     if found:
         return tuple(replace(edit, name=preset.name) for edit in found)
     placed = [
@@ -50,7 +52,7 @@ def apply_preset(
     ]
     if preset.own:
         return tuple(placed)
-    return tuple(part for edit in placed for part in _beside_closures(session, edit))
+    return tuple(part for edit in placed for part in _beside_closures(session, frames, edit))
 
 
 def close_lips(dip: Dip, closed: float) -> Edit:
@@ -88,20 +90,21 @@ def complete_blink(dip: Dip, controls: Sequence[str] = LIDS) -> Edit:
 
 def _mend(
     session: EditSession,
+    frames: AllFrames,
     preset: Preset,
     selection: tuple[float, float] | None,
     playhead: float,
 ) -> list[Edit]:
     """Edits at the places that `preset.find` looks for; none if there are none nearby."""
-    clip, usual = session.take.clip, habits_of(session)
-    controls = session.achieved.astype(np.float64)
+    clip, usual = frames.clip, habits_of(session)
+    controls = frames.achieved.astype(np.float64)
     if preset.find is Find.BLINK:
         half = dict(half_blinks(clip, controls, usual))
         return [complete_blink(dip, half[dip]) for dip in _near([*half], selection, playhead)]
     if preset.find is Find.LIPS:
         if selection is not None and selection[1] - selection[0] < CLOSURE_WIDTH:
             return []  # a selection this short is itself the closure
-        dips = missed_closures(clip, controls, session.weights.astype(np.float64), usual)
+        dips = missed_closures(clip, controls, frames.weights.astype(np.float64), usual)
         return [close_lips(dip, usual.closed) for dip in _near(dips, selection, playhead)]
     return []
 
@@ -156,7 +159,7 @@ def _fit(session: EditSession, edit: Edit, find: Find | None) -> Edit:
     return edit
 
 
-def _beside_closures(session: EditSession, edit: Edit) -> Iterator[Edit]:
+def _beside_closures(session: EditSession, frames: AllFrames, edit: Edit) -> Iterator[Edit]:
     """The parts of an edit between closures, if it drops the jaw: lips meet where they do.
 
     At any strength: an edit that closes them again would be weaker with a weaker expression.
@@ -164,8 +167,8 @@ def _beside_closures(session: EditSession, edit: Edit) -> Iterator[Edit]:
     if not (edit.op is Op.OFFSET and edit.value > 0 and LIP_OPENING in edit.controls):
         yield edit
         return
-    clip, least = session.take.clip, habits_of(session).closed + HARDLY_APART
-    controls = session.achieved.astype(np.float64)
+    clip, least = frames.clip, habits_of(session).closed + HARDLY_APART
+    controls = frames.achieved.astype(np.float64)
     dips = lip_dips(clip.times, controls, np.zeros(len(clip)), clip.rate)
     first, last = edit.span
     start, fade, shut = edit.start, edit.falloff, first

@@ -36,7 +36,8 @@ class Closure:
 
     Attributes:
         word, phoneme: what is said.
-        frame, time: the dip of the mouth opening that belongs to it; `time` in seconds.
+        frame, time: the dip of the mouth opening that belongs to it: its place in `times`, and
+            seconds.
         gap: mm between the lips there.
         touching: the mouth opening of lips that touch, mm.
     """
@@ -145,9 +146,10 @@ def closures_of(session: EditSession) -> list[Closure]:
     words = session.words
     if words is None or LIP_OPENING in session.lacks:
         return []
-    gap = LipGap.of(session.shown_rig).measure(session.weights)
+    frames = session.all_frames()
+    gap = LipGap.of(session.shown_rig).measure(frames.weights)
     touching = LipGap.of(session.rig).touching  # edits are made on the session's character
-    return closures(words, session.take.clip.times, gap, touching)
+    return closures(words, frames.times, gap, touching)
 
 
 def closing_edits(
@@ -177,13 +179,14 @@ def shaping_edits(
     if words is None:
         return ()
     presets = {preset.lips: preset for preset in sound_presets()}
-    times, made = session.take.clip.times, []
+    frames, made = session.all_frames(), []
+    times = frames.times
     touching = LipGap.of(session.rig).touching
     for word, phoneme in words.phonemes():
         preset = presets.get(lips_of(phoneme.symbol) or Lips.CLOSE)
         if preset is None or preset.control in session.lacks:
             continue
-        curve = session.achieved[:, CONTROL_INDEX[preset.control]].astype(np.float64)
+        curve = frames.achieved[:, CONTROL_INDEX[preset.control]].astype(np.float64)
         frame = dip_at(times, curve, phoneme)
         if frame is None or not _within(float(times[frame]), span):
             continue

@@ -1,4 +1,4 @@
-"""The weights of rows to which fills give a face, with all that other edits do there.
+"""Rows to which fills give a face, with all that other edits do there.
 
 The take has no frames for these rows. Other edits are therefore answered on a second take, which
 has: its frames are those of the take with its fills, and the rows with what the fills put there.
@@ -44,25 +44,37 @@ class FilledRows:
         self._second_takes = Recent[Solver](1)
 
     def find(
-        self, lost: LostRows, edits: Sequence[Edit], settings: Settings, weights: Floats
-    ) -> Floats:
-        """(L, K) the weights of the rows that fills cover; else NaN.
+        self,
+        lost: LostRows,
+        edits: Sequence[Edit],
+        settings: Settings,
+        weights: Floats,
+        asked: Floats,
+    ) -> tuple[Floats, Floats]:
+        """The rows that fills cover: (L, K) their weights, and (L, C) mm asked for; else NaN.
 
         Args:
             edits: all that are shown, in the user's order.
             settings: how they are answered.
             weights: (T, 52) the result of the edits on the take's own frames.
+            asked: (T, C) mm, what they ask for there.
         """
         rows = self._solver.found(lost, edits)
+        wanted = np.full((len(rows), asked.shape[1]), np.nan, np.float32)
         faces, filled = have_faces(rows), lost.with_faces(rows, self._solver.clip)
+        if not faces.any():
+            return rows[:, self._columns], wanted
         others = [edit for edit in edits if edit.op not in OF_THE_TAKE]
         if settings.mode is Mode.PRESERVE:  # else any edit reaches everywhere
             others = others if any(_touches(edit, filled.times) for edit in others) else []
-        if others and faces.any():
-            rows[faces] = self._edited(filled, edits, others, settings, weights)
+        if others:
+            found = self._edited(filled, edits, others, settings, weights, asked)
+            rows[faces], wanted[faces] = found
+        else:  # a fill asks for what it puts there
+            wanted[faces] = self._solver.distances.measure(rows[faces])
         if settings.closes:
             rows[faces] = self._solver.closed_on_theirs(rows[faces])
-        return rows[:, self._columns]
+        return rows[:, self._columns], wanted
 
     def _edited(
         self,
@@ -71,18 +83,21 @@ class FilledRows:
         others: Sequence[Edit],
         settings: Settings,
         weights: Floats,
-    ) -> Floats:
-        """(M, 52) the rows with `others`, which are among `edits`."""
+        asked: Floats,
+    ) -> tuple[Floats, Floats]:
+        """(M, 52) the rows with `others`, which are among `edits`; and (M, C) mm asked for."""
         second = self._second(rows, edits)
         places = rows.before + 1 + np.arange(len(rows))
         tasks = second.tasks(others, settings)
-        out = second.tracked.astype(np.float64)
+        out, wanted = (each.astype(np.float64) for each in (second.tracked, second.controls))
         read = np.unique(np.concatenate([places - 1, places, places + 1]))
         for chunk in {second.chunks.of_frame(int(frame)) for frame in read} & tasks.keys():
-            out[second.chunks.slice(chunk)] = second.solve(tasks[chunk]).weights
+            own, patch = second.chunks.slice(chunk), second.solve(tasks[chunk])
+            out[own], wanted[own] = patch.weights, patch.asked
         _join(out, places, second.clip.times, weights)
-        found: Floats = np.round(np.clip(out[places], 0.0, 1.0), DECIMALS).astype(np.float32)
-        return found
+        _join(wanted, places, second.clip.times, asked)
+        found = np.round(np.clip(out[places], 0.0, 1.0), DECIMALS)
+        return found.astype(np.float32), wanted[places].astype(np.float32)
 
     def _second(self, rows: RowsBetween, edits: Sequence[Edit]) -> Solver:
         """What answers edits on the take that has the rows as frames."""
@@ -105,18 +120,18 @@ def _touches(edit: Edit, times: Times) -> bool:
     return bool(((times >= first) & (times <= last)).any())
 
 
-def _join(out: Doubles, places: Indices, times: Times, weights: Floats) -> None:
-    """Let filled rows go over into the frames beside their gap, in `out` (N, 52).
+def _join(out: Doubles, places: Indices, times: Times, beside: Floats) -> None:
+    """Let filled rows go over into the frames beside their gap, in `out` (N, K).
 
     Args:
         places: of the M rows among the N frames, in order.
         times: (N,) seconds.
-        weights: (N - M, 52) the result of the other frames.
+        beside: (N - M, K) the values of the other frames.
     """
     for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1):
         edges = run[0] - 1, run[-1] + 1
         reach = min(_JOINED, times[edges[1]] - times[edges[0]])
         for edge in edges:
-            off = weights[edge - np.searchsorted(places, edge)] - out[edge]
+            off = beside[edge - np.searchsorted(places, edge)] - out[edge]
             share = np.clip(1.0 - np.abs(times[run] - times[edge]) / reach, 0.0, 1.0)
             out[run] += share[:, None] * off

@@ -33,7 +33,7 @@ class CalibrationCommands:
         if session is None:
             return
         self._workspace.end_gestures()
-        edit = neutral_at(session, self._timeline.frame, *self._range())
+        edit = neutral_at(session, self._timeline.time, *self._range())
         if edit is None:
             self._workspace.message.emit("This frame is neutral already")
         else:

@@ -19,10 +19,11 @@ from faceedit_app.ui.look.texts import name_entry
 from faceedit_app.ui.state.actions import Command, Menu
 
 if TYPE_CHECKING:  # the window is there before the solver, and before the page
-    from faceedit_app.editing.help.clipboard import Clipboard, Copied
+    from faceedit_app.editing.help.clipboard import Clipboard
     from faceedit_app.ui.edits.panel import EditsPanel
 
 MOST_STEPS = 25  # of the history, before and after the present
+NO_FRAME = "There is no frame in the selection to {}; select a longer range"
 AROUND = 0.5  # seconds before and after the playhead that are selected
 
 
@@ -166,27 +167,25 @@ class EditCommands:
 
     def copy(self) -> None:
         """Keep what the face does in the selection."""
-        from faceedit_app.editing.help.clipboard import Copied
-
-        self._copy(Copied.CURVE)
+        self._copy(only_changes=False)
 
     def copy_changes(self) -> None:
         """Keep what the edits changed in the selection."""
-        from faceedit_app.editing.help.clipboard import Copied
+        self._copy(only_changes=True)
 
-        self._copy(Copied.CHANGE)
-
-    def _copy(self, what: Copied) -> None:
+    def _copy(self, only_changes: bool) -> None:
         from faceedit_app.editing.help.clipboard import Copied, copy_range
 
         session, selection = self._document.session, self._selection("copy")
         if session is None or selection is None:
             return
         # Nothing is copied of folded curves unasked; but their changes are the user's.
-        every = CONTROL_IDS if what is Copied.CHANGE else self._unfolded
+        every = CONTROL_IDS if only_changes else self._unfolded
+        what = Copied.CHANGE if only_changes else Copied.CURVE
         copied = copy_range(session, *selection, self._chosen_controls() or every, what)
         if copied.is_empty:
-            self._workspace.message.emit("The selection has no changes to copy")
+            no_change = "The selection has no changes to copy"
+            self._workspace.message.emit(no_change if only_changes else NO_FRAME.format("copy"))
             return
         self._clipboard = copied
         seconds, count = copied.seconds, len(copied.curves)
@@ -222,6 +221,8 @@ class EditCommands:
         self._workspace.end_gestures()
         sided = [control for control in self._unfolded if control in SIDED_CONTROLS]
         copied = copy_range(session, *selection, sided, Copied.CURVE)
+        if copied.is_empty:
+            self._workspace.message.emit(NO_FRAME.format("mirror"))
         self._put(copied.mirrored(), selection[0], "Mirrored", "Mirror")
 
     def _selection(self, what: str) -> tuple[float, float] | None:

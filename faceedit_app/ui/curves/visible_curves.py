@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.characters.closure import CLOSING, Openings
+from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.controls import CONTROL_INDEX
 from faceedit_app.core.extremes import Extremes, highest, lowest
 from faceedit_app.editing.session import EditSession
@@ -27,7 +28,7 @@ SAME = 0.005
 WIDER = 0.5  # mm by which the user's character is open wider before a line shows it
 CLOSING_COLUMNS = [CONTROL_INDEX[control] for control in CLOSING]
 _SLACK = 0.1  # of what a face can do, beyond either end
-_LINES, _FACE = 3, 1  # tracked, face, asked
+_LINES, _FACE, _ASKED = 3, 1, 2  # tracked, face, asked
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +149,7 @@ class VisibleCurves:
         if self._filled is not filled:
             for place in range(self._curves):
                 self._known.pop((_FACE, place), None)
+                self._known.pop((_ASKED, place), None)
         new = (self._y != y).any(axis=2)
         new[::2] |= (self._near != near).any(axis=2)
         for line, place in np.argwhere(new).tolist():
@@ -167,14 +169,27 @@ class VisibleCurves:
         if self._shown_rig is not session.shown_rig:
             self._shown_rig = session.shown_rig
             self._gaps = Openings.of(session.rig), Openings.of(session.shown_rig)
-        ours, theirs = (gaps.measure(session.weights[self._rows]) for gaps in self._gaps)
-        wider = theirs - ours
-        shown = _widened((np.abs(wider) > WIDER).T)
-        y = self._live.achieved[self._rows][:, CLOSING_COLUMNS] + wider
+        y, apart = self._on_character(session.weights[self._rows], self._live.achieved[self._rows])
+        runs = [(self._x, y[:, i], shown) for i, shown in enumerate(_widened(apart.T))]
+        if (filled := self._filled) is not None:
+            y, apart = self._on_character(filled.weights, filled.controls)
+            runs = [
+                _shown_in_gaps(*run, filled.times, y[:, i], apart[:, i])
+                for i, run in enumerate(runs)
+            ]
         return {
-            curve: run_of(self._x, y[:, i], shown[i], False)
-            for i, curve in enumerate(CLOSING_COLUMNS)
+            curve: run_of(*run, False) for curve, run in zip(CLOSING_COLUMNS, runs, strict=True)
         }
+
+    def _on_character(self, weights: Floats, face: Floats) -> tuple[Values, Mask]:
+        """(N, K) mm of the curves that close, on the user's character; whether it is open wider.
+
+        Args:
+            weights, face: (N, 52), and (N, C) mm on ours.
+        """
+        ours, theirs = (gaps.measure(weights) for gaps in self._gaps)
+        wider = theirs - ours
+        return face[:, CLOSING_COLUMNS] + wider, np.abs(wider) > WIDER
 
     def _read_curves(self) -> None:
         self._seen, changed = self._live.changes(self._seen)
@@ -207,7 +222,13 @@ class VisibleCurves:
                 known = self._through_gaps(curve, Polyline(self._x, y, None, thinned))
             else:
                 # Where lines coincide, only the face is drawn: without edits, a single line.
-                known = run_of(self._x, y, self._near[line // 2, place], thinned)
+                shown = self._near[line // 2, place]
+                filled, x = self._filled, self._x
+                if line == _ASKED and filled is not None:
+                    asked = filled.asked[:, curve]
+                    apart = np.abs(asked - filled.tracked[:, curve]) > SAME
+                    x, y, shown = _shown_in_gaps(x, y, shown, filled.times, asked, apart)
+                known = run_of(x, y, shown, thinned)
             self._known[line, place] = known
         return known
 
@@ -223,7 +244,8 @@ class VisibleCurves:
         """Lowest and highest value in view of all lines, as far as a face can go."""
         drawn = [self._y[:, self._places[curve]]]
         if self._filled is not None:
-            drawn.append(self.lines(curve).face.y)
+            lines = self.lines(curve)
+            drawn += [lines.face.y, lines.asked.y]
         drawn.append(self._character.get(curve, EMPTY).y)
         low = min(float(y.min()) for y in drawn if y.size)
         high = max(float(y.max()) for y in drawn if y.size)
@@ -296,6 +318,22 @@ def run_of(x: Values, y: Values, shown: Mask, thinned: bool) -> Polyline:
     joined = np.append(shown[1:], False)[shown]
     every = bool(joined[:-1].all())
     return Polyline(x[shown], y[shown], None if every else joined, thinned)
+
+
+def _shown_in_gaps(
+    x: Values, y: Values, shown: Mask, seconds: Times, filled: Values, apart: Mask
+) -> tuple[Values, Values, Mask]:
+    """The points (N,) of a line, and which are shown, with those of the filled frames (M,).
+
+    Args:
+        x, y, shown: of the points, extended by neighbours already.
+        seconds, filled, apart: of all filled frames; whether they differ from the other line.
+    """
+    joined, y = through_gaps(x, y, seconds, filled)
+    if joined is x:
+        return x, y, shown
+    near = _widened(through_gaps(x, np.zeros_like(shown), seconds, apart)[1])
+    return joined, y, near | through_gaps(x, shown, seconds, apart)[1]
 
 
 def _widened(mask: Mask) -> Mask:

@@ -120,7 +120,7 @@ class ProblemsBar(QWidget):
         session = self._document.session
         if session is None:
             return
-        if session.is_previewing or not session.live.is_complete:
+        if session.is_previewing or not session.live.is_complete or not session.find_filled(0.0):
             self._timer.start()
         elif len(session.take.clip) < _LONG:
             self.search()

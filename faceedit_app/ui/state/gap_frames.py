@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # the window is there before the solver
     from faceedit_app.editing.session import EditSession
 
 Values = NDArray[np.floating]
+_Kind = TypeVar("_Kind", bound=np.generic)
 
 _QUICK = 0.003  # seconds; in a gesture, what takes longer waits until the hand rests
 _REST_MS = 100
@@ -86,14 +87,14 @@ def weights_at(session: EditSession, line: Timeline) -> Floats:
 def edited_at(
     session: EditSession, line: Timeline, stop: Stop | None = None
 ) -> tuple[Floats, Floats]:
-    """(C,) mm each: what the edits ask for, and the face. A fill asks for both.
+    """(C,) mm each: what the edits ask for, and the face.
 
     Args:
         stop: where; None = at the playhead.
     """
     frame, filled = stop or line.stop
     if filled is not None and line.filled_frames is not None:
-        return (line.filled_frames.controls[filled],) * 2
+        return line.filled_frames.asked[filled], line.filled_frames.controls[filled]
     frame = _clamped(frame, session.achieved)
     return session.asked[frame], session.achieved[frame]
 
@@ -112,8 +113,8 @@ def values_at(values: Floats, line: Timeline, stop: Stop | None = None) -> Float
 
 
 def through_gaps(
-    times: Values, values: Values, seconds: Times, filled: Values
-) -> tuple[Values, Values]:
+    times: Values, values: NDArray[_Kind], seconds: Times, filled: NDArray[_Kind]
+) -> tuple[Values, NDArray[_Kind]]:
     """The points of a line with those of the filled frames between its ends.
 
     Args:
