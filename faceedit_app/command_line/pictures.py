@@ -161,14 +161,19 @@ def _draw(
     session: EditSession, output: Path, time: float, size: tuple[int, int], follow_head: bool
 ) -> None:
     """Draw the edited face at a time of the take, in seconds."""
+    from faceedit_app.formats.converting import with_filled
     from faceedit_app.render.snapshot import snapshot, write_png
 
-    frame = session.take.clip.frame_at(time)
-    turns = session.rotations if follow_head else None
-    rotation = None if turns is None else turns[frame]
-    weights, shown = session.weights[frame], session.shown_rig
+    take = session.take
+    clip = with_filled(session.edited_clip(), take.lost_rows, session.filled_rows())
+    row, frame = clip.frame_at(time), take.clip.frame_at(time)
+    turns = clip.rotations if follow_head else None
+    rotation = None if turns is None else turns[row]
+    weights, shown = clip.arkit_weights()[row], session.shown_rig
     say_kept(output, write_png(output, snapshot(shown, weights, *size, rotation=rotation)))
-    say(f"{output}: frame {frame} of {session.take.path}")
+    is_filled = clip.times[row] != take.clip.times[frame]
+    what = f"the filled frame at {clip.times[row]:.3f} s" if is_filled else f"frame {frame}"
+    say(f"{output}: {what} of {take.path}")
 
 
 def _film(

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.editing.session import EditSession
+from faceedit_app.formats.converting import with_filled
 from faceedit_app.live.pose import Pose, second_of_day
 from faceedit_app.live.protocols import Sender
 
@@ -32,6 +33,8 @@ def play(
 ) -> int:
     """Send every frame at its time, and return how many were sent.
 
+    Rows that lost the face and were filled are frames of the take.
+
     Args:
         session: the take, with its edits.
         sender: where to.
@@ -39,8 +42,9 @@ def play(
         clock, sleep: of real time, in seconds.
         follows_head: send how the head and the eyes turn, if the take has it.
     """
-    clip, sent = session.take.clip, 0
-    turns = session.rotations if follows_head else None
+    lost, filled = session.take.lost_rows, session.filled_rows()
+    clip, sent = with_filled(session.edited_clip(), lost, filled), 0
+    weights, turns = clip.arkit_weights(), clip.rotations if follows_head else None
     begin = clock()
     while True:
         for frame, second in enumerate(clip.times.tolist()):
@@ -48,7 +52,7 @@ def play(
             if wait > 0:
                 sleep(wait)
             rotations = None if turns is None else turns[frame]
-            sent += sender.send(pose_of(session.weights[frame], clip.rate, rotations))
+            sent += sender.send(pose_of(weights[frame], clip.rate, rotations))
         if not loop:
             return sent
         begin += clip.duration

@@ -13,14 +13,18 @@ import pytest
 from support.faces import shipped_rig
 from support.networks import write_models
 from support.renderers import need_opengl
+from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_INDEX
+from faceedit_app.core.arrays import Floats
 from faceedit_app.core.controls import CONTROL_IDS
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.edit import from_json as edit_from_json
 from faceedit_app.editing.help.retime import moved, stretched
 from faceedit_app.editing.opening import load_engine, open_session
 from faceedit_app.formats.opening import open_take
+from faceedit_app.render import snapshot
 from faceedit_app.ui.start import display
 
 EDIT: dict[str, Any] = {
@@ -141,6 +145,22 @@ def test_render_draws_the_frame_at_a_time(take: Path, capfd: pytest.CaptureFixtu
     with Image.open(out) as picture:
         assert picture.size == (160, 120)
         assert np.asarray(picture).std() > 5
+
+
+def test_render_draws_a_frame_that_fills_a_gap(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    drawn: list[Floats] = []
+    monkeypatch.setattr(snapshot, "snapshot", lambda _rig, weights, *_, **__: drawn.append(weights))
+    monkeypatch.setattr(snapshot, "write_png", lambda _path, _picture: None)
+    take = make_livelink_csv(tmp_path / "take.csv", 2.0, untracked=range(60, 66))
+    session = open_session(open_take(take), shipped_rig())
+    session.add(Edit(CONTROL_IDS, Op.FILL, 0.9, 1.2, 0.0))
+    session.save_edits(tmp_path / "edits.json")
+    files = [str(take), "-o", str(tmp_path / "face.png"), "--edits", str(tmp_path / "edits.json")]
+    assert main(["render", *files, "--time", "1.05"]) == 0
+    assert "face.png: the filled frame at 1.050 s of " in capfd.readouterr().out
+    np.testing.assert_allclose(drawn[0], session.all_frames().weights[63], atol=1e-4)
 
 
 def test_version_and_help_end_well(capfd: pytest.CaptureFixture[str]) -> None:

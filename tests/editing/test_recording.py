@@ -7,16 +7,20 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 from support.faces import talking_clip
 from support.rigs import tiny_session
+from support.sessions import session_by_rig
 from support.takes import make_livelink_csv
 
 from faceedit_app.cli import main
+from faceedit_app.core.controls import CONTROL_IDS
 from faceedit_app.core.errors import FileError
 from faceedit_app.editing import recording
+from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.recording import Recorder
 from faceedit_app.editing.streaming import play
 from faceedit_app.formats.opening import open_take
@@ -160,6 +164,27 @@ def test_a_take_is_played_in_its_own_time() -> None:
     np.testing.assert_allclose(waits, [1 / 50] * 19)
     weights = np.array([pose.weights for pose in received if pose is not None])
     np.testing.assert_array_equal(weights, session.weights)
+
+
+class _Receives:
+    """In place of a sender, keeps what would be sent."""
+
+    def __init__(self) -> None:
+        self.poses: list[Pose] = []
+
+    def send(self, pose: Pose) -> bool:
+        self.poses.append(pose)
+        return True
+
+
+def test_frames_that_fill_a_gap_are_played(tmp_path: Path) -> None:
+    session = session_by_rig(make_livelink_csv(tmp_path / "take.csv", 2.0, untracked=range(60, 66)))
+    session.add(Edit(CONTROL_IDS, Op.FILL, 0.9, 1.2, 0.0))
+    receives = _Receives()
+    play(session, cast(Sender, receives), clock=lambda: 99.0, sleep=lambda _: None)
+    played = np.array([pose.weights for pose in receives.poses])
+    assert len(played) == 120
+    np.testing.assert_array_equal(played, session.all_frames().weights)
 
 
 def test_the_command_plays_a_take(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
