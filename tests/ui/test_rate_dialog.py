@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtCore import Qt
 from pytestqt.qtbot import QtBot
 
+from faceedit_app.ui.look.refused import reason_in
 from faceedit_app.ui.page.rate_dialog import RateDialog
 
 
@@ -45,6 +46,26 @@ def test_any_other_rate_can_be_typed(dialog: RateDialog, qtbot: QtBot) -> None:
     assert dialog.rate == 27.5
     assert chosen(dialog) == []
     assert dialog.length.text() == "At 27.5 fps the take lasts 0:02.327."
+
+
+def test_nothing_is_said_of_a_rate_while_none_is_typed(dialog: RateDialog, qtbot: QtBot) -> None:
+    dialog.show()
+    shown = dialog.length.text()
+    for wrong in ("abc", "0", "2000"):
+        dialog.spin.selectAll()
+        qtbot.keyClicks(dialog.spin, wrong)
+        hint = reason_in(dialog)
+        assert hint is not None
+        assert hint.isVisible()
+        assert hint.text() == "Type a number from 1 to 1000"
+        assert (dialog.length.text(), chosen(dialog)) == ("", [])
+        qtbot.mouseClick(dialog.group.buttons()[-1], Qt.MouseButton.LeftButton)
+        assert (dialog.length.text(), chosen(dialog)) == (shown, ["60"])
+        assert reason_in(dialog) is None
+    dialog.spin.selectAll()
+    qtbot.keyClicks(dialog.spin, "x")
+    qtbot.keyClick(dialog.spin, Qt.Key.Key_Escape)
+    assert not dialog.isVisible(), "Esc leaves the dialog at once"
 
 
 def test_enter_takes_the_rate_and_escape_does_not(dialog: RateDialog, qtbot: QtBot) -> None:

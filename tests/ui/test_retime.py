@@ -254,8 +254,13 @@ def test_what_has_no_room_is_said_in_the_dialog(window: MainWindow) -> None:
     trigger(window, "move_time")
     dialog = dialog_of(window)
     dialog.number.setValue(3.0)
-    assert "no room" in dialog.message.text()
+    refusal = dialog.message.text()
+    assert "no room" in refusal
     assert not dialog.ok.isEnabled()
+    for typed, said in (("x", ""), ("3", refusal)):
+        dialog.number.selectAll()
+        QTest.keyClicks(dialog.number, typed)
+        assert dialog.message.text() == said
     dialog.reject()
 
 

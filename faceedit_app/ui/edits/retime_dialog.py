@@ -110,6 +110,7 @@ class RetimeDialog(PreviewDialog):
         column.addWidget(self.message)
         column.addWidget(buttons)
         self.number.valueChanged.connect(self.preview)
+        self.number.lineEdit().textChanged.connect(self._typed)
         self.option.toggled.connect(self.preview)
         self.preview()
 
@@ -127,6 +128,13 @@ class RetimeDialog(PreviewDialog):
         self.message.setText(text)
         self.ok.setEnabled(bool(self._edits))
         self._document.preview(*self._edits)
+
+    def _typed(self) -> None:
+        """Say nothing of a number that is being typed over by what is none."""
+        if not self.number.hasAcceptableInput():
+            self.message.setText("")
+        elif not self.message.text():
+            self.preview()
 
     def done(self, result: int) -> None:
         """Make the edits, or leave the take unchanged."""

@@ -6,7 +6,7 @@ import re
 
 from PySide6.QtCore import QEvent, QLocale, QObject, Qt
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QValidator, QWheelEvent
-from PySide6.QtWidgets import QDoubleSpinBox, QStyledItemDelegate, QWidget
+from PySide6.QtWidgets import QDialog, QDoubleSpinBox, QStyledItemDelegate, QWidget
 
 from faceedit_app.ui.look.number_text import NumberText
 from faceedit_app.ui.look.refused import show_refused
@@ -23,7 +23,7 @@ class NumberBox(QDoubleSpinBox):
     1,5 s would become 15 s. Numbers are shown with a point, as in the rest of the window.
 
     Qt's own also swallows keys, and forgets a text that is no number when the field is left. Here,
-    it stays with the reason beside it, and Esc brings back the number.
+    it stays with the reason beside it, and Esc brings back the number, or closes a dialog.
 
     The wheel changes the number only while the field has the focus, not in passing.
     """
@@ -153,18 +153,22 @@ class NumberBox(QDoubleSpinBox):
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)
-            and event.key() == Qt.Key.Key_Escape
-            and not self.hasAcceptableInput()
+            and self._takes_back(event)
         ):
             event.accept()
             return True
         return super().event(event)
 
+    def _takes_back(self, event: QKeyEvent) -> bool:
+        """Whether a key brings back the number; a dialog is closed with all that is in it."""
+        is_escape = event.key() == Qt.Key.Key_Escape and not isinstance(self.window(), QDialog)
+        return is_escape and not self.hasAcceptableInput()
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter takes the number, or says why it cannot be; Esc then brings the old one back."""
         if event.key() in ENTER and self.refuses():
             self.selectAll()
-        elif event.key() == Qt.Key.Key_Escape and not self.hasAcceptableInput():
+        elif self._takes_back(event):
             self.setValue(self.value() if self._before is None else self._before)
             self.selectAll()
         else:

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
 from faceedit_app.formats.rates import COMMON_RATES, exact_rate
 from faceedit_app.formats.timing import counted, format_rate, format_time
 from faceedit_app.ui.look.number import NumberBox, may_accept
+from faceedit_app.ui.look.refused import show_refused
 from faceedit_app.ui.look.texts import plain_label
 
 _LOWEST, _HIGHEST = 1.0, 1000.0
@@ -53,7 +54,8 @@ class RateDialog(QDialog):
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         column.addWidget(buttons)
-        self.spin.valueChanged.connect(self._show_rate)
+        for changed in (self.spin.valueChanged, self.spin.lineEdit().textChanged):
+            changed.connect(self._show_rate)
         self.spin.setValue(rate)
         self._show_rate()
         self.spin.setFocus()
@@ -77,7 +79,7 @@ class RateDialog(QDialog):
             button.setText(format_rate(rate).removesuffix(" fps"))
             button.setCheckable(True)
             button.setAccessibleName(format_rate(rate))
-            button.clicked.connect(lambda _checked=False, chosen=rate: self.spin.setValue(chosen))
+            button.clicked.connect(lambda _checked=False, chosen=rate: self._choose(chosen))
             self.group.addButton(button)
             row.addWidget(button)
         return row
@@ -95,12 +97,19 @@ class RateDialog(QDialog):
         row.addStretch(1)
         return row
 
+    def _choose(self, rate: float) -> None:
+        self.spin.setValue(rate)
+        self._show_rate()  # also if only what was typed was another
+
     def _show_rate(self) -> None:
-        rate = self.rate
+        """Show how long the take would be; while no rate is typed, say so in place of that."""
+        rate, wrong = self.rate, self.spin.why_not(self.spin.text())
         self.group.setExclusive(False)  # so that none can be checked
         for button, common in zip(self.group.buttons(), _SHOWN_RATES, strict=True):
-            button.setChecked(abs(common - rate) < 10**-_DECIMALS)
+            button.setChecked(not wrong and abs(common - rate) < 10**-_DECIMALS)
         self.group.setExclusive(True)
         length = format_time(self._frames / rate)
-        self.length.setText(f"At {format_rate(rate)} the take lasts {length}.")
+        self.length.setText("" if wrong else f"At {format_rate(rate)} the take lasts {length}.")
         self.length.setToolTip(counted(round(self._frames), "frame"))
+        if wrong:
+            show_refused(self.spin, wrong)
