@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
     QStyle,
     QStyledItemDelegate,
     QStyleOptionViewItem,
+    QToolButton,
     QWidget,
 )
 from support.waiting import run_events
@@ -205,7 +206,14 @@ def test_the_list_is_sorted_and_filtered(bench: Bench, window: MainWindow) -> No
     severities = [problem.severity for problem in editor.problems.problems]
     assert severities[1] > severities[0]
     assert texts(window)[0] == "Lips stay open"
-    found.kinds.setCurrentIndex(1)
+    fix = found.findChildren(QToolButton)[0]
+    trigger_enabled(window, "next_problem")
+    assert editor.problems.current == 0
+    for kind, is_shown in ((0, True), (1, False)):
+        found.kinds.setCurrentIndex(kind)
+        window.actions_.refresh()
+        assert fix.isEnabled() == is_shown, "it fixes what the list highlights"
+        assert ("of another kind" in fix.toolTip()) != is_shown
     assert texts(window) == ["Lips stay open"]
     trigger_enabled(window, "fix_all")
     accept_tried(bench, window)

@@ -257,10 +257,10 @@ def test_what_has_no_room_is_said_in_the_dialog(window: MainWindow) -> None:
     refusal = dialog.message.text()
     assert "no room" in refusal
     assert not dialog.ok.isEnabled()
-    for typed, said in (("x", ""), ("3", refusal)):
+    for typed, shown in (("x", ""), ("3", refusal)):
         dialog.number.selectAll()
         QTest.keyClicks(dialog.number, typed)
-        assert dialog.message.text() == said
+        assert dialog.message.text() == shown
     dialog.reject()
 
 

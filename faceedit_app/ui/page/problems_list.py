@@ -35,6 +35,7 @@ from faceedit_app.ui.state.time_display import shown_time
 from faceedit_app.ui.state.timeline import Timeline
 
 _EVERYTHING = "All kinds"
+_HIDDEN = "The problem at the playhead is of another kind: click one in the list"
 _Index = QModelIndex | QPersistentModelIndex
 
 
@@ -146,7 +147,9 @@ class ProblemsList(QWidget):
         bar.addWidget(caption("Show", self.kinds))
         bar.addWidget(self.kinds)
         bar.addStretch()
-        bar.addWidget(icon_button(actions["fix_problem"], text="Fix"))
+        self._fix = icon_button(actions["fix_problem"], text="Fix")
+        actions["fix_problem"].changed.connect(self._sync_fix)
+        bar.addWidget(self._fix)
         bar.addWidget(icon_button(actions["fix_all"], text="Fix ticked"))
         stack = QVBoxLayout(self)
         stack.setContentsMargins(0, 0, 0, 0)
@@ -212,6 +215,15 @@ class ProblemsList(QWidget):
         else:
             self.rows.setCurrentIndex(row)
             self.rows.scrollTo(row)
+        self._sync_fix()
+
+    def _sync_fix(self) -> None:
+        """The button fixes only what the list shows, which may be another kind."""
+        action, current = self._actions["fix_problem"], self._bar.current
+        is_hidden = current is not None and self.model.row_of(current) is None
+        self._fix.setEnabled(action.isEnabled() and not is_hidden)
+        why_not = _HIDDEN if is_hidden and action.isEnabled() else ""
+        self._fix.setToolTip("\n".join(filter(None, (action.toolTip(), why_not))))
 
     def _fill_kinds(self) -> None:
         """Offer the kinds that there are, with their number."""
