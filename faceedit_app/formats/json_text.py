@@ -155,7 +155,8 @@ def read_json(path: Path, content: bytes) -> JsonText:
     except UnicodeDecodeError:
         raise FileError(path, "is not UTF-8 text", "save it as UTF-8") from None
     except json.JSONDecodeError as error:
-        problem = f"is damaged: {error.msg.lower()}"
+        ends = not error.doc[error.pos :].strip() or error.msg.startswith("Unterminated")
+        problem = f"is damaged: {'it is cut off' if ends else error.msg.lower()}"
         raise FileError(path, problem, _DAMAGED, error.lineno) from None
     except RecursionError:
         raise FileError(path, "is damaged: it is nested too deeply", _DAMAGED) from None

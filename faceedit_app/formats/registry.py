@@ -34,6 +34,7 @@ from faceedit_app.formats import (
     usd_text,
 )
 from faceedit_app.formats.csv_table import first_rows
+from faceedit_app.formats.cut_off import check_whole
 from faceedit_app.formats.encodings import as_utf8
 from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.files import BOM, CHOOSE_TAKE, check_text, read_bytes, shown
@@ -160,6 +161,7 @@ def recognise(path: Path, content: bytes) -> Format:
     found = find_format(content)
     if found is not None:
         return found
+    check_whole(path, content)
     foreign = recognise_foreign(content)
     if foreign is not None:
         raise NotTake(path, foreign.problem, foreign.remedy, command_remedy=foreign.command_remedy)

@@ -14,6 +14,7 @@ from support.takes import make_livelink_csv, make_plain_csv
 
 from faceedit_app.core.arrays import Floats
 from faceedit_app.core.errors import FileError
+from faceedit_app.core.glb import join_glb
 from faceedit_app.formats import registry
 from faceedit_app.formats.opening import open_take, write_take
 from faceedit_app.formats.registry import Format
@@ -133,6 +134,7 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
     ("content", "says", "remedy"),
     [
         (b'{"emotionNames": ["joy"], "emotionKeys": [[0.1]]}', "emotions", "facsNames"),
+        (b'{"version": 1, "take": {}, "settings": {}, "edits": []}', "a project", ".faceedit"),
         (b'{"version": 1, "edits": []}', "a list of edits", "open the take first"),
         (b'{"format": "openfacefx.track", "fps": 30}', "sparse keys", "ARKit CSV"),
         (b"mouthSmile_R-0|eyeLookOut_L-12|=head#1,2", "which has no times", "its frame rate"),
@@ -161,7 +163,20 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
         (b"<!DOCTYPE html>\n<html><title>jawOpen, jawLeft</title>", "web page", "download"),
         (b"version https://git-lfs.github.com/spec/v1\noid 1\n", "Git LFS", "git lfs pull"),
         (b'{"asset": {"version": "2.0"}, "bufferViews": []}', "glTF", "GLB"),
-        (b"glTF\x02\x00\x00\x00", "without an animation", "shape keys"),
+        (join_glb({"asset": {}}, b"")[:-1], "cut off: it has 39 of 40 bytes", "again"),
+        (join_glb({"asset": {}}, b""), "without an animation", "shape keys"),
+        (b"glTF\x02\x00\x00\x00", "a GLB that is cut off", "again"),
+        (b"glTF" + bytes(20), "a GLB that is damaged", "again"),
+        (
+            b'#usda 1.0\ndef Xform "}" {\n}  # }\n  def SkelAnimation "',
+            "USD text that is cut off",
+            "again",
+        ),
+        (b'{"a":', "cut off", "again"),
+        (b'{"jawOpen": [0.1, 0.2], "jawLef', "cut off", "again"),
+        (b"[[0.1, 0.2], [0.3", "cut off", "again"),
+        (b'{"a" 1}', "is damaged: expecting", "again"),
+        (b"[take]\nname = a\n", "no ARKit channel", "choose a take"),
         (b"Kaydara FBX Binary  \x00", "FBX", "GLB"),
         (b"HIERARCHY\nROOT Hips", "BVH", "CSV or GLB"),
         (b"{}", "no ARKit channel", "choose a take"),
