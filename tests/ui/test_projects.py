@@ -7,10 +7,12 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.character_files import write_glb
 from support.waiting import run_events, wait_for_background
 from support.windows import Bench, drop, session_of, trigger
 
@@ -18,7 +20,13 @@ from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.files import journal
 from faceedit_app.editing.files.fingerprint import fingerprint
 from faceedit_app.editing.files.pending import Pending, pending_journals
-from faceedit_app.editing.files.project import Project, ViewState, write_project
+from faceedit_app.editing.files.project import (
+    CharacterFile,
+    Project,
+    ViewState,
+    read_project,
+    write_project,
+)
 from faceedit_app.editing.steps import EditState
 from faceedit_app.ui.commands import dialogs
 from faceedit_app.ui.commands.dialogs import Recover, Unsaved
@@ -53,6 +61,28 @@ def open_again(bench: Bench, path: Path) -> MainWindow:
     window.commands.file.open_if_saved(path)
     bench.qtbot.waitUntil(lambda: window.document.session is not None)
     return window
+
+
+def test_a_head_on_the_command_line_is_shown_instead_of_the_projects(
+    bench: Bench, tmp_path: Path
+) -> None:
+    path = saved_project(bench)
+    saved, given = (write_glb(tmp_path / name) for name in ("saved.glb", "given.glb"))
+    write_project(path, replace(read_project(path), character=CharacterFile(saved)))
+    window = bench.window(start=False)
+    window.start(path, character=given)
+    bench.qtbot.waitUntil(lambda: window.document.session is not None)
+    wait_for_background(window.workspace.background)
+    assert _shown(window) == given
+    assert not window.isWindowModified()
+    window.commands.file.open_if_saved(path)
+    bench.qtbot.waitUntil(lambda: _shown(window) == saved)
+    assert window.close(), "there is nothing to save"
+
+
+def _shown(window: MainWindow) -> Path | None:
+    character = window.document.character
+    return None if character is None else character.character.path
 
 
 def test_a_project_comes_back_as_it_was(bench: Bench) -> None:
@@ -188,6 +218,7 @@ def test_a_folder_that_cannot_be_written_loses_nothing(bench: Bench) -> None:
 
 KILLED = """
 import sys
+from dataclasses import replace
 from pathlib import Path
 from PySide6.QtCore import QPoint, QPointF, QEvent, Qt, QTimer
 from PySide6.QtTest import QTest

@@ -108,10 +108,13 @@ class FileCommands:
             return True
         return False
 
-    def open(self, path: Path) -> None:
+    def open(self, path: Path, keeps_character: bool = False) -> None:
         """Read a take or a project in the background; on an error the current one stays open.
 
         The face in a film is tracked first. A character without an animation is shown.
+
+        Args:
+            keeps_character: the character that is shown or read now stays, whatever a project has.
         """
         if is_film(path):
             self.track(path)
@@ -130,7 +133,7 @@ class FileCommands:
         def ask(message: str, likely: Sequence[Path]) -> Path | None:
             return dialogs.ask_take_of_project(self._window, message, likely, path.parent)
 
-        projects.open_project(self._workspace, path, ask, self._show_error)
+        projects.open_project(self._workspace, path, ask, self._show_error, keeps_character)
 
     def ask_track(self) -> None:
         """Track the face in a film that the user chooses."""

@@ -78,6 +78,7 @@ def open_project(
     path: Path,
     ask: Callable[[str, Sequence[Path]], Path | None],
     failed: Callable[[FaceEditError], None],
+    keeps_character: bool = False,
 ) -> None:
     """Read a project in the background, find its take, and open it.
 
@@ -86,6 +87,7 @@ def open_project(
     Args:
         ask: which file is the take, where that is in doubt; given why it is, and likely ones.
         failed: is given the error of a project that cannot be read.
+        keeps_character: the user asked for the character that is shown or being read: it stays.
     """
 
     def read() -> tuple[Project, KnownFile, Located]:
@@ -101,7 +103,7 @@ def open_project(
             return
         # Where the take was found, it is found again: without a choice there is nothing to save.
         was_found = located.where in (Whereabouts.FOUND, Whereabouts.MOVED)
-        _open_take(workspace, project, file, take, was_found, _note_of(located))
+        _open_take(workspace, project, file, take, was_found, _note_of(located), keeps_character)
         if not is_kept_project(path):
             workspace.preferences.add_recent(path)
 
@@ -140,6 +142,7 @@ def _open_take(
     take: Path,
     was_found: bool,
     note: str,
+    keeps_character: bool,
 ) -> None:
     """Open the take of a project that has been read.
 
@@ -149,6 +152,7 @@ def _open_take(
         was_found: the take is as the project knows it, and nobody had to choose it: opening the
             project leaves nothing to save.
         note: a warning once it is open; "" for none.
+        keeps_character: as for `open_project`.
     """
 
     def prepare(session: EditSession) -> None:
@@ -166,7 +170,8 @@ def _open_take(
         if note:
             workspace.warning.emit(note)
         restore_view(workspace, project.view)
-        _open_character(workspace, project.character, file.path)
+        if not keeps_character:
+            _open_character(workspace, project.character, file.path)
 
     workspace.opener.open(take, prepare, opened, file, project.fps)
 
@@ -195,6 +200,7 @@ def recover(
     pending: Pending,
     ask: Callable[[str, Sequence[Path]], Path | None],
     instead_of: Path | None = None,
+    keeps_character: bool = False,
 ) -> None:
     """Open the take of a session that ended in a crash, with its edits.
 
@@ -203,6 +209,7 @@ def recover(
     Args:
         ask: as for `open_project`.
         instead_of: the file that was to be opened; it is found under the recent ones.
+        keeps_character: as for `open_project`.
     """
 
     def look() -> Located:
@@ -223,7 +230,7 @@ def recover(
         ):
             workspace.preferences.add_recent(instead_of)
             notes.append(f"{instead_of.name} is not open yet: choose it in File > Open recent")
-        _open_recovered(workspace, pending, take, list(filter(None, notes)))
+        _open_recovered(workspace, pending, take, list(filter(None, notes)), keeps_character)
 
     workspace.opener.reading.emit(f"Looking for {pending.take.name}…")
     workspace.background.run(look, found, workspace.opener.failed.emit)
@@ -234,7 +241,11 @@ def _is_one_of(path: Path, others: Sequence[Path]) -> bool:
 
 
 def _open_recovered(
-    workspace: Workspace, pending: Pending, take: Path, notes: Sequence[str]
+    workspace: Workspace,
+    pending: Pending,
+    take: Path,
+    notes: Sequence[str],
+    keeps_character: bool,
 ) -> None:
     """Open a take with the edits of a session that crashed; then show warnings."""
 
@@ -252,7 +263,7 @@ def _open_recovered(
             workspace.warning.emit(note)
         recovered = f"Recovered your work on {pending.take.name}{pending.counted_edits}"
         workspace.message.emit(f"{recovered}{_undone_by_one(workspace, pending)}")
-        if pending.character is not None:
+        if pending.character is not None and not keeps_character:
             _open_character(workspace, CharacterFile(pending.character), take)
         session = workspace.session
         if session is not None and session.fingerprint != pending.fingerprint:

@@ -153,9 +153,9 @@ class MainWindow(WindowBase):
         self._background.run(loading.prepare_renderer, self._use_renderer, self._show_error)
         self.document.keeps_journal = self.document.awaits_engine = True
         self.workspace.opener.load_character()  # before a question, which may wait for long
-        if not offer_recovery(self.workspace, take):
+        if not offer_recovery(self.workspace, take, character is not None):
             if take is not None:
-                self.commands.file.open(take)
+                self.commands.file.open(take, character is not None)
             elif demo:
                 self.commands.file.open_demo()
         if character is not None:
