@@ -241,9 +241,7 @@ def smoothing_frames(edit: Edit, rate: float) -> int:
     return 0 if frames < NARROW else int(4 * frames + 0.5) + 1  # where the kernel ends
 
 
-def _smooth(
-    curve: Doubles, rows: slice, edit: Edit, rate: float, far: Bools | None
-) -> Doubles:
+def _smooth(curve: Doubles, rows: slice, edit: Edit, rate: float, far: Bools | None) -> Doubles:
     """Zero-phase Gaussian on `rows`, from what surrounds them."""
     around = smoothing_frames(edit, rate)
     if not around:

@@ -112,9 +112,7 @@ class Solver:
         self.lacks = find_lacks(present, self.distances, engine)
         self._mute = self._missing | self.lacks.keys()
         scale, context = (engine.scale, engine.context) if engine else (1, 0)
-        self.chunks = Chunks(
-            clip, len(self.grid), scale, context, self._fills.reads
-        )
+        self.chunks = Chunks(clip, len(self.grid), scale, context, self._fills.reads)
         may = present if "jawOpen" in present else present - {"mouthClose"}
         self._sample = self._measure()
         across_the_face = [region for region in OPTIONAL_REGIONS if region.is_sideways]
