@@ -121,7 +121,7 @@ def test_who_goes_by_tab_keeps_the_keys_and_a_click_into_a_text_is_meant(
 def test_what_is_hidden_or_disabled_gives_the_keys_back(window: MainWindow) -> None:
     editor, found = editor_of(window), all_taking(window)
     for widget in found:
-        for gone in (lambda w, on: w.setVisible(on), lambda w, on: w.setEnabled(on)):
+        for gone in (QWidget.setVisible, QWidget.setEnabled):
             widget.setFocus(Qt.FocusReason.TabFocusReason)
             gone(widget, False)
             assert home_has_keys(window), (widget, QApplication.focusWidget())

@@ -57,7 +57,7 @@ class ChannelsPanel(QWidget):
         self.plots: list[ChannelPlot] = []
         self._known: list[ChannelPlot] = []  # those on the screen, and some more
         self._items: dict[str, QListWidgetItem] = {}
-        self._latest = _FIRST  # the channels that were selected, also while none is shown
+        self._latest: tuple[str, ...] = _FIRST  # selected, also while none is shown
         self.search = QLineEdit()
         self.search.setObjectName("search")
         self.search.setPlaceholderText("Search channels")
