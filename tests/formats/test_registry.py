@@ -135,6 +135,7 @@ def test_training_finds_takes_of_every_format_and_no_other_files(tmp_path: Path)
     [
         (b'{"emotionNames": ["joy"], "emotionKeys": [[0.1]]}', "emotions", "facsNames"),
         (b'{"version": 1, "take": {}, "settings": {}, "edits": []}', "a project", ".faceedit"),
+        (b'{"version":1,"fingerprint":{}}\n{"step":1,"edits":[]}\n', "the journal", "recover"),
         (b'{"version": 1, "edits": []}', "a list of edits", "open the take first"),
         (b'{"format": "openfacefx.track", "fps": 30}', "sparse keys", "ARKit CSV"),
         (b"mouthSmile_R-0|eyeLookOut_L-12|=head#1,2", "which has no times", "its frame rate"),
