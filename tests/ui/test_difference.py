@@ -344,6 +344,16 @@ def test_the_legend_is_clear_of_the_switches(window: MainWindow) -> None:
             assert not place.intersects(legend.geometry()), width
 
 
+def test_in_a_narrow_pane_the_legend_is_below_the_face(window: MainWindow) -> None:
+    face = face_of(window)
+    face.setFixedSize(290, 300)
+    for both in (False, True):
+        trigger(window, "show_both" if both else "show_difference")
+        place = face.viewport.legend.geometry()
+        assert place.top() > 250
+        assert (abs(place.center().x() - 145) <= 1) == both, "between the names, or beside the neck"
+
+
 def test_the_legend_shows_the_ramp_and_lets_the_mouse_through(window: MainWindow) -> None:
     face = face_of(window)
     trigger(window, "show_difference")

@@ -135,6 +135,7 @@ class FacePane(QWidget):
         self._switched()
 
     def _switched(self) -> None:
+        self._place_legend()
         self.switched.emit()
         self.refresh()
 
@@ -185,13 +186,24 @@ class FacePane(QWidget):
         return super().minimumSizeHint().expandedTo(QSize(buttons, 0))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the buttons at the top, and the legend between or below them."""
+        """Keep the buttons at the top, and the legend in its place."""
         super().resizeEvent(event)
-        height = self._overlay.sizeHint().height()
-        self._overlay.setGeometry(0, 0, self.width(), height)
+        self._overlay.setGeometry(0, 0, self.width(), self._overlay.sizeHint().height())
+        self._place_legend()
+
+    def _place_legend(self) -> None:
+        """Put the legend between the buttons, or at the bottom, where it hides no face.
+
+        There it is short: beside the neck, or between the names of two faces.
+        """
+        legend = self.viewport.legend
+        legend.shorten(False)
         which, camera = (switch.sizeHint().width() for switch in self._switches)
-        size, at = self.viewport.legend.sizeHint(), QPoint(0, MARGIN)
-        at.setX(self.width() - MARGIN - camera - GAP - size.width())
+        at = QPoint(self.width() - MARGIN - camera - GAP - legend.sizeHint().width(), MARGIN)
         if at.x() < MARGIN + which + GAP:
-            at = QPoint(self.width() - MARGIN - size.width(), height + GAP // 2)
-        self.viewport.legend.setGeometry(QRect(at, size))
+            legend.shorten(True)
+            size = legend.sizeHint()
+            middle = (self.width() - size.width()) // 2
+            at.setX(middle if self.shows_both else self.width() - GAP // 2 - size.width())
+            at.setY(self.height() - GAP // 2 - size.height())
+        legend.setGeometry(QRect(at, legend.sizeHint()))
