@@ -51,6 +51,16 @@ def assert_readable(numbers: Drawn, room: QRectF) -> None:
             assert not one.adjusted(-2.0, 0.0, 2.0, 0.0).intersects(other)
 
 
+def assert_apart_at_the_ends(numbers: Drawn, width: float) -> None:
+    """One that was moved in from an end has no less room than others."""
+    (first, _), (second, _), *_ = numbers
+    (before, _), (last, _) = numbers[-2:]
+    if first.left() < 5:
+        assert second.left() - first.right() > 10
+    if last.right() > width - 5:
+        assert last.left() - before.right() > 10
+
+
 def test_the_playhead_at_the_start_leaves_the_first_time_readable(panel: CurvesPanel) -> None:
     panel.timeline.show_range(0.0, 10.0)
     QApplication.processEvents()
@@ -70,6 +80,7 @@ def test_times_are_whole_and_apart(panel: CurvesPanel, unit: Unit) -> None:
         numbers = drawn(axis)
         assert len(numbers) >= 2
         assert_readable(numbers, axis.rect())
+        assert_apart_at_the_ends(numbers, axis.width())
         if panel.ruler.frames.isVisible():
             below = drawn(panel.ruler.frames)
             assert_readable([*numbers, *below], axis.rect())

@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import QRect, QRectF
 from PySide6.QtGui import QColor, QImage, QPainter
-from PySide6.QtWidgets import QStyle, QStyleOptionViewItem
+from PySide6.QtWidgets import QLineEdit, QStyle, QStyleOptionViewItem
 from support.windows import Bench, drag_curve, editor_of, session_of, trigger
 
 from faceedit_app.editing.edits.edit import Edit, Op
-from faceedit_app.ui.edits.delegate import cells, range_width
+from faceedit_app.ui.edits.delegate import EditsDelegate, RowField, cells, range_width
 from faceedit_app.ui.edits.model import COLUMNS, columns
 from faceedit_app.ui.edits.panel import EditsPanel
 from faceedit_app.ui.look.palette import ACCENT_DEEP, BACKGROUND
@@ -65,6 +65,12 @@ def test_a_range_in_timecode_is_not_cut(window: MainWindow) -> None:
         for text in ("Exaggerate", when):
             room = next(place for said, place in found if said == text)
             assert metrics.horizontalAdvance(text) < room.width(), (width, text)
+    session_of(window).add(Edit(("mouth_opening",), Op.OFFSET, 0.5, 0.5, 0.1, 4.0))
+    delegate, option, field = EditsDelegate(), QStyleOptionViewItem(), QLineEdit()
+    delegate.edits, option.fontMetrics, option.rect = RowField.RANGE, metrics, QRect(0, 0, 403, 25)
+    delegate.updateEditorGeometry(field, option, panel.model.index(1))
+    assert panel.model.index(1).data(COLUMNS)[0] == "12:00:00:30"
+    assert metrics.horizontalAdvance("12:00:00:30 – 12:00:00:30") + 12 < field.width()
 
 
 def test_the_name_of_an_edit_is_more_than_its_first_letters(window: MainWindow) -> None:

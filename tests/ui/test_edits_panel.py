@@ -169,6 +169,17 @@ def test_a_paste_is_one_row_that_opens(bench: Bench) -> None:
     shown = [row for row in range(count + 1) if not panel.list.isRowHidden(row)]
     assert shown == [0, 1]
     assert panel.rows == pasted
+    as_shown = panel.list.size()
+    for number in range(4):
+        panel.list.resize(300, 90)
+        session.add(replace(session.edits[0], name=f"after {number}"))
+        panel.select_new()
+        place = panel.list.visualRect(panel.model.index(len(session.edits) - 1))
+        assert 0 <= place.top() < place.bottom() < panel.list.viewport().height()
+    panel.list.resize(as_shown)
+    for _ in range(4):
+        session.undo()
+    panel.select_new(count)
     assert editor_of(window).settings_bar.edits.short == "2 edits", "as many as rows"
     assert editor_of(window).lists.tabText(0) == "Edits  2"
     window.actions_["undo"].trigger()

@@ -166,7 +166,9 @@ def test_copy_and_paste_at_the_playhead(window: MainWindow) -> None:
     trigger_enabled(window, "copy")
     line.select(None)
     line.go_to_time(1.0)
+    line.show_range(0.0, 1.2)
     trigger_enabled(window, "paste")
+    assert line.view == pytest.approx((0.9, 2.1)), "all that was pasted is in view"
     clip = session.take.clip
     to, source = clip.frame_at(1.5), clip.frame_at(5.5)
     assert session.asked[to, OPENING] == pytest.approx(session.tracked[source, OPENING], abs=0.2)

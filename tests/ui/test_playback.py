@@ -122,6 +122,16 @@ def test_nothing_is_played_without_a_take(qtbot: QtBot) -> None:
     assert not playback.playing
 
 
+def test_what_one_goes_to_has_room_on_both_sides() -> None:
+    timeline = Timeline()
+    timeline.open(Clip(np.zeros((600, 1), np.float32), ("jawOpen",), np.arange(600) / 60, 60.0))
+    for seconds, first in ((3.0, 2.0), (5.0, 4.0), (3.95, 2.95), (2.05, 1.05), (0.0, 0), (9.9, 8)):
+        timeline.show_range(2.0, 4.0)
+        timeline.visit(seconds)
+        assert timeline.time == pytest.approx(seconds)
+        assert timeline.view == pytest.approx((first, first + 2.0))
+
+
 def test_real_time(qtbot: QtBot) -> None:
     timeline = Timeline()
     times = np.arange(600) / 60

@@ -84,6 +84,10 @@ def test_accept_goes_on_to_the_next_problem(window: MainWindow) -> None:
     assert editor.problems.current_problem == second
     assert editor.edits.current is None, "the handles of the first are out of sight"
     assert window.timeline.time == pytest.approx(second.time, abs=1e-3)
+    assert window.status.currentMessage() == second.message
+    window.timeline.visit(0.0)
+    assert window.status.currentMessage() == "", "one is elsewhere"
+    window.timeline.visit(second.time)
     trigger_enabled(window, "fix_problem", "accept_fix")
     assert session.edits == (*first.fix, *second.fix)
     assert "no more problems" in window.status.currentMessage()

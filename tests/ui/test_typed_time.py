@@ -243,8 +243,10 @@ def test_g_a_time_and_enter_go_there(window: MainWindow, unit: str, text: str, f
     QTest.keyClicks(entry, text)  # over what stood there; digits are no shortcuts meanwhile
     assert entry.text() == text
     assert window.timeline.frame == 0
+    window.timeline.show_range(0.0, 0.4)
     QTest.keyClick(entry, Qt.Key.Key_Return)
     assert window.timeline.frame == frame
+    assert sum(window.timeline.view) / 2 == pytest.approx(window.timeline.time)
     assert not entry.isVisible()
     QTest.keyClick(window.focusWidget(), Qt.Key.Key_Right)
     assert window.timeline.frame == frame + 1

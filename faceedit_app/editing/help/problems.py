@@ -33,6 +33,7 @@ from faceedit_app.formats.timing import counted
 
 SHAKE_WINDOW = 0.5  # seconds
 SHORTEST_SHAKE = 0.15  # seconds
+_BESIDE = 0.02  # seconds beside a problem that still belong to it
 _MAIN = [CONTROL_INDEX[control] for control in MAIN_CONTROLS]
 _LIPS = control_named(LIP_OPENING).region
 _MOVE_WITH_LIPS: Bools = np.array([control_named(c).region == _LIPS for c in MAIN_CONTROLS])
@@ -82,6 +83,10 @@ class Problem:
     fix: tuple[Edit, ...]
     about: str = ""
     instead: str = ""
+
+    def is_at(self, seconds: float) -> bool:
+        """Whether a time is within it, or a frame beside."""
+        return self.start - _BESIDE <= seconds <= self.end + _BESIDE
 
     @property
     def why_unfixed(self) -> str:

@@ -31,6 +31,8 @@ class FixCommands:
         self.words = WordCommands(workspace)
         self.calibration = CalibrationCommands(workspace)
         self.presets = OwnPresetCommands(workspace, self.apply)
+        self._said: tuple[Problem, str] | None = None  # where one is, and what was said of it
+        self._timeline.playhead_moved.connect(self._leave_problem)
 
     # --- fixes -------------------------------------------------------------------------------
 
@@ -135,7 +137,18 @@ class FixCommands:
             problem = page.problems.problems[index]
             made = page.problem_list.model.made_by(problem)
             more = problem.why_unfixed or (made and f"its fix {made}")
-            self._workspace.message.emit(f"{problem.message}; {more}" if more else problem.message)
+            text = f"{problem.message}; {more}" if more else problem.message
+            self._said = problem, text
+            self._workspace.message.emit(text)
+
+    def _leave_problem(self) -> None:
+        """Elsewhere, nothing is said of a problem any more."""
+        if self._said is None:
+            return
+        (problem, text), now = self._said, self._timeline.time
+        if not problem.is_at(now):
+            self._said = None
+            self._workspace.retracted.emit(text)
 
     def fix_problem(self) -> None:
         """Preview a fix for the problem at the playhead."""
@@ -150,7 +163,7 @@ class FixCommands:
             but = f" The fix {made}." if made else ""
             message = f"{given or 'Fix shown'}. The problem: {said}.{but}"
             found = variations_of(problem.fix)
-            short = given or (f"The fix {made}" if made else problem.message)
+            short = given or (f"The fix {made}" if made else problem.message.partition(";")[0])
             page.proposal.offer(
                 message, problem.fix, "Fix problem", problem, short=short, variations=found
             )

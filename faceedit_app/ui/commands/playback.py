@@ -65,7 +65,7 @@ class PlaybackCommands:
 
     def step_seconds(self, seconds: float) -> None:
         """Move the playhead by seconds."""
-        self._timeline.go_to_time(self._timeline.time + seconds)
+        self._timeline.visit(self._timeline.time + seconds)
 
     def go_to_start(self) -> None:
         """Go to the first frame."""

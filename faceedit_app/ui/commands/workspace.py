@@ -46,6 +46,7 @@ class Workspace(QObject):
 
     Signals:
         message(str): what was done, or why nothing was, for the status bar.
+        retracted(str): a message that is no longer about what is on screen.
         warning(str): something the user should know about the take, for the banner.
         doubt(str, callable): the same about a step; the function tells whether it still holds.
         offer(str, str, callable): something to do about it: the text, the button's, and what it
@@ -53,6 +54,7 @@ class Workspace(QObject):
     """
 
     message = Signal(str)
+    retracted = Signal(str)
     warning = Signal(str)
     doubt = Signal(str, object)
     offer = Signal(str, str, object)
@@ -135,6 +137,7 @@ class Workspace(QObject):
         where = "above the list of edits" if seen else "under Edits"
         last = self.timeline.duration  # as the list says it
         start, end = max(min(e.start for e in edits), 0.0), min(max(e.end for e in edits), last)
+        self.timeline.bring_into_view(start, end)
         self.message.emit(f"{name}: {self.shown_range(start, end)}; set its strength {where}")
 
     def shown_time(self, seconds: float) -> str:

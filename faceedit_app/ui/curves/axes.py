@@ -34,6 +34,7 @@ _TICK_CLOSEST = 5.0
 _TICK, _FRAME_TICK = 9, 4  # pixels
 _TIME_OFFSET = 9  # pixels between the ticks of the times and their numbers
 _APART = 4.0  # pixels between two numbers: without, two timecodes read as one
+_FROM_END = 12.0  # the same to one that was moved in from an end of the axis
 _INSET = 4.0  # pixels between an end and its number, over which the playhead would lie
 _BEYOND = 10_000  # pixels beyond the ends, where pyqtgraph omits a number
 
@@ -158,10 +159,18 @@ class _InsideAxis(pg.AxisItem):
             return None
         axis, ticks, texts = specs
         kept: list[tuple[QRectF, Any, str]] = []
+        was_moved = False  # the last one that is kept
         for rect, flags, text in texts:
-            rect.moveLeft(min(max(rect.left(), _INSET), self.width() - rect.width() - _INSET))
-            if not kept or rect.left() > kept[-1][0].right() + _APART:
-                kept.append((rect, flags, text))
+            left = min(max(rect.left(), _INSET), self.width() - rect.width() - _INSET)
+            is_moved = left != rect.left()
+            rect.moveLeft(left)
+            apart = _FROM_END if is_moved or was_moved else _APART
+            if kept and left <= kept[-1][0].right() + apart:
+                if is_moved or not was_moved:
+                    continue
+                kept.pop()  # rather the one that is not at its place
+            kept.append((rect, flags, text))
+            was_moved = is_moved
         return axis, ticks, kept
 
     def _at(self, frames: list[int]) -> list[float]:

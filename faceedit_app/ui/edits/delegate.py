@@ -284,9 +284,12 @@ class EditsDelegate(NumberDelegate):
             editor.setGeometry(rect.adjusted(rect.width() - right - 6, 0, 0, 0))
             return
         if self.edits is RowField.RANGE:
-            when = index.data(COLUMNS)[0]
+            when, model = index.data(COLUMNS)[0], index.model()
             ranged = range_width(QRectF(rect), option.fontMetrics, when)
-            left = rect.width() - right - round(ranged) - 14
+            if isinstance(model, EditsModel):  # of one moment, both ends can be typed
+                typed = model.ends(index.data(Qt.ItemDataRole.UserRole))
+                ranged = max(ranged, option.fontMetrics.horizontalAdvance(typed) + 6.0)
+            left = max(rect.width() - right - round(ranged) - 14, round(_LEFT))
             editor.setGeometry(rect.adjusted(left, 0, -right, 0))
             return
         editor.setGeometry(option.rect.adjusted(int(_LEFT) - 5, 0, -int(_STRENGTH), 0))

@@ -159,8 +159,7 @@ class EditsPanel(QWidget):
             self._select_rows(list(rows))
         self._leave()
         if rows:  # without its signals the view does not scroll
-            self.list.scrollTo(self.model.index(rows[-1]))
-            self.list.scrollTo(self.model.index(rows[0]))
+            self.list.reveal(rows[0], rows[-1])
         self._sync()
         self.list.viewport().update()
 

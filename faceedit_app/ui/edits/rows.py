@@ -16,6 +16,8 @@ class EditRows(QListView):
         self.setAccessibleName("Edits")
         self.setMouseTracking(True)
         self.setUniformItemSizes(True)
+        # By rows, Qt counts hidden ones, and cannot scroll to all of the last one.
+        self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
         self.setDefaultDropAction(Qt.DropAction.MoveAction)
@@ -26,6 +28,12 @@ class EditRows(QListView):
     def is_typed(self) -> bool:
         """Whether a field is open; one with what cannot be taken stays so without the focus."""
         return self.state() is QAbstractItemView.State.EditingState
+
+    def reveal(self, first: int, last: int) -> None:
+        """Scroll to rows, to the first of them if not all have room."""
+        self.executeDelayedItemsLayout()  # else it ends where the list without new rows did
+        for row in (last, first):
+            self.scrollTo(self.model().index(row, 0))
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Choose nothing; a field that is still open, as its text cannot be taken, gets the keys.

@@ -231,11 +231,10 @@ class ProblemsBar(QWidget):
         scale, before, self._playhead = self._scale, self._playhead, now
         for seconds in (before, now):
             self.update(round(scale.x_of(seconds)) - 2, 0, 5, self.height())
-        slack = 0.02
         here = [
             (abs(problem.time - now), i)
             for i, problem in enumerate(self.problems)
-            if problem.start - slack <= now <= problem.end + slack
+            if problem.is_at(now)
         ]
         current = min(here)[1] if here else None
         if current != self.current:

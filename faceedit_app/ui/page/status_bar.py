@@ -23,6 +23,7 @@ from faceedit_app.formats.timing import counted, format_rate, format_time
 from faceedit_app.ui.look.texts import plain_label, plain_tip
 
 _DOT = "   ·   "
+_MESSAGE_MS = 6000
 _READ = 60_000  # ms that a tooltip stays after a click, while the pointer does
 
 
@@ -76,10 +77,19 @@ class StatusBar(QStatusBar):
         self.addPermanentWidget(self.networks)
         self.set_networks("loading")
 
-    def say_if_idle(self, text: str, milliseconds: int) -> None:
+    def say(self, text: str) -> None:
+        """Show a message for some seconds."""
+        self.showMessage(text, _MESSAGE_MS)
+
+    def say_if_idle(self, text: str) -> None:
         """Show a message, unless another one, which matters more, is shown."""
         if not self.currentMessage():
-            self.showMessage(text, milliseconds)
+            self.say(text)
+
+    def retract(self, text: str) -> None:
+        """Stop showing a message, if it is the one that is shown."""
+        if self.currentMessage() == text:
+            self.clearMessage()
 
     def set_take(self, take: Take) -> None:
         """Show facts about another take."""

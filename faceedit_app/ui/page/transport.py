@@ -110,7 +110,7 @@ class Transport(QWidget):
 
         def go(text: str) -> None:
             now = rows.at(self._timeline.time)
-            self._timeline.go_to_time(typed_moment(rows, text, unit, now))
+            self._timeline.visit(typed_moment(rows, text, unit, now))
 
         label = self._labels[_UNITS.index(unit)]
         text = label.text().partition("/")[0].removeprefix("frame").strip()

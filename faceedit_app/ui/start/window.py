@@ -33,7 +33,6 @@ if TYPE_CHECKING:  # these import a lot; the window appears first
     from faceedit_app.ui.page.editor import Editor
 
 _FIRST_SIZE, _SMALLEST = QSize(1440, 900), QSize(1000, 600)
-_MESSAGE_MS = 6000
 _SLOW_MS = 400  # of reading, after which the take on the screen is cleared
 
 
@@ -109,8 +108,9 @@ class MainWindow(WindowBase):
         opener.reading.connect(self._show_reading)
         opener.character_loaded.connect(self._load_model)
         for message in (workspace.message, media.message):
-            message.connect(lambda text: self.status.showMessage(text, _MESSAGE_MS))
-        media.found.connect(lambda text: self.status.say_if_idle(text, _MESSAGE_MS))
+            message.connect(self.status.say)
+        workspace.retracted.connect(self.status.retract)
+        media.found.connect(self.status.say_if_idle)
         workspace.warning.connect(self.banner.show_message)
         workspace.doubt.connect(lambda text, holds: self.banner.show_message(text, holds=holds))
         workspace.offer.connect(self.banner.offer)

@@ -20,6 +20,7 @@ NO_TIMES: Times = np.empty(0)
 SHORTEST_VIEW = 0.1
 DEFAULT_FALLOFF = 0.2
 FALLOFF_RANGE = (0.0, 5.0)
+_ROOM = 0.05  # of the view, on either side of what the user goes to
 
 
 class Stop(NamedTuple):
@@ -144,6 +145,15 @@ class Timeline(QObject):
         """Move the playhead to the nearest frame, also a filled one; see `go_to_frame`."""
         if self._clip is not None:
             self._go_to(self.stop_at(seconds), turns_page)
+
+    def visit(self, seconds: float) -> None:
+        """Go to a time that the user has named, with what is before and after it in view."""
+        self.go_to_time(seconds, turns_page=False)
+        first, last = self.view
+        room = _ROOM * (last - first)
+        if not first + room <= self.time <= last - room:
+            middle, width = self.time, last - first
+            self.show_range(middle - width / 2, middle + width / 2)
 
     def stop_at(self, seconds: float) -> Stop:
         """The frame nearest to a time, also a filled one."""
