@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import pytest
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QScreen
 from PySide6.QtWidgets import QMenu, QWidget
 from pytestqt.qtbot import QtBot
-from support.windows import Bench
+from support.windows import Bench, editor_of, trigger
 
 from faceedit_app.ui.character.checklist import CharacterChecklist
 from faceedit_app.ui.commands.help import about_dialog
+from faceedit_app.ui.curves import style
+from faceedit_app.ui.curves.rows import CurveRows
 from faceedit_app.ui.look.widgets import Elided
 
 
@@ -48,6 +53,31 @@ def test_the_window_fits_1080_lines_at_twice_the_size(
     assert bottom.y() < window.height()
     lists = window.editor.lists
     assert lists.height() == lists.minimumSizeHint().height(), "the face gets all the rest"
+
+
+def test_a_low_window_keeps_a_whole_curve_in_view_beside_all_channels(bench: Bench) -> None:
+    window = bench.editing()
+    editor = editor_of(window)
+    editor.sound.want(True)
+    editor.words.want(True)
+    trigger(window, "all_channels")
+    (rows,) = editor.curves.findChildren(CurveRows)
+
+    def shown() -> tuple[bool, bool]:
+        return editor.sound.isVisible(), editor.words.isVisible()
+
+    for height, wanted in ((900, (True, True)), (640, (False, True)), (900, (True, True))):
+        window.resize(1000, height)
+        bench.qtbot.waitUntil(partial(_is_settled, rows, shown, wanted))
+    editor.words.want(False)
+    window.resize(1000, 600)
+    bench.qtbot.waitUntil(partial(_is_settled, rows, shown, (False, False)))
+
+
+def _is_settled(
+    rows: CurveRows, shown: Callable[[], tuple[bool, bool]], wanted: tuple[bool, bool]
+) -> bool:
+    return shown() == wanted and rows.viewport().height() >= style.ROW_HEIGHT
 
 
 def test_a_line_without_room_is_shown_in_short(qtbot: QtBot) -> None:

@@ -119,6 +119,8 @@ class WordCommands:
         """Go to the field to search a word."""
         page = self._workspace.page
         if page is not None:
+            if not page.words.isVisible():
+                self._workspace.message.emit("The words have no room: make the window higher")
             page.words.search.setFocus()
             page.words.search.selectAll()
 

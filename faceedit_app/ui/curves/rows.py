@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, QRect, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QPoint, QPointF, QRect, QSize, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
 
@@ -125,6 +125,11 @@ class CurveRows(QScrollArea):
         bar.setStyleSheet(f"QScrollBar {{ width: {style.RIGHT_MARGIN}px; }}")
         bar.rangeChanged.connect(self._keep_width)
         self._keep_width(0, 0)
+
+    def minimumSizeHint(self) -> QSize:
+        """A whole row, and part of another, which shows that there are more."""
+        height = 3 * style.ROW_HEIGHT // 2 + style.ROW_GAP
+        return QSize(super().minimumSizeHint().width(), height)
 
     def show_rows(self, shown: Collection[str]) -> None:
         """Show the rows of these controls, which share the height, and hide the others."""

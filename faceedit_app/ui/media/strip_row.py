@@ -8,7 +8,7 @@ from faceedit_app.ui.curves import style
 
 
 class StripRow(QWidget):
-    """Aligns a strip with the plots.
+    """Aligns a strip with the plots. Hidden until it has something to show.
 
     Args:
         strip: what is on the time axis.
@@ -16,6 +16,7 @@ class StripRow(QWidget):
 
     Attributes:
         head: left of the strip, under the names of the curves; subclasses lay it out.
+        is_wanted: whether it has something to show.
     """
 
     def __init__(self, strip: QWidget, height: int) -> None:
@@ -28,3 +29,16 @@ class StripRow(QWidget):
         row.addWidget(self.head)
         row.addWidget(strip, 1)
         self.setFixedHeight(height + 2 * style.ROW_GAP)
+        self.is_wanted = self._gives_way = False
+        self.hide()
+
+    def want(self, wanted: bool) -> None:
+        """Show the row, unless it gives way, or hide it."""
+        self.is_wanted = wanted
+        self.setVisible(wanted and not self._gives_way)
+
+    def give_way(self, gives_way: bool) -> None:
+        """Hide the row for lack of room, or show it again if it is wanted."""
+        if gives_way != self._gives_way:
+            self._gives_way = gives_way
+            self.setVisible(self.is_wanted and not gives_way)

@@ -255,7 +255,7 @@ class SoundRow(StripRow):
 
     def _show(self) -> None:
         placed = self._media.sound
-        self.setVisible(placed is not None)
+        self.want(placed is not None)
         if placed is not None:
             self.name.show_name(placed.path.name, str(placed.path))
             self.offset.show_offset(placed.offset)

@@ -87,7 +87,6 @@ class WordsRow(StripRow):
         line.addWidget(icon_button(actions["close_on_words"], "small"))
         for changed in (document.opened, document.changed, document.previewed):
             changed.connect(self.sync)
-        self.hide()
         self.sync()
 
     def sync(self) -> None:
@@ -96,7 +95,7 @@ class WordsRow(StripRow):
         if words is self._shown:
             return
         self._shown = words
-        self.setVisible(words is not None)
+        self.want(words is not None)
         self.strip.renew()
 
     def _show_menu(self, place: QPoint) -> None:

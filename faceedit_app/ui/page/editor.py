@@ -35,6 +35,7 @@ from faceedit_app.ui.page.problems_list import ProblemsList
 from faceedit_app.ui.page.proposal_bar import ProposalBar
 from faceedit_app.ui.page.settings_bar import SettingsBar
 from faceedit_app.ui.page.side_pane import SidePane
+from faceedit_app.ui.page.time_rows import TimeRows
 from faceedit_app.ui.page.toolbar import ToolBar
 from faceedit_app.ui.page.transport import Transport
 from faceedit_app.ui.state.actions import Actions
@@ -109,21 +110,12 @@ class Editor(QWidget):
         column.addWidget(self.tool_bar)
         self.panes = _splitter(Qt.Orientation.Horizontal)
         column.addWidget(self.panes, 1)
-        self._lay_out_time()
+        self.panes.addWidget(TimeRows(self.curves, self.sound, self.words))
         self._lay_out_side()
         self.panes.setSizes(_SHARES)
         self.panes.setStretchFactor(0, 3)
         self.panes.setStretchFactor(1, 2)
         column.addWidget(self.transport)
-
-    def _lay_out_time(self) -> None:
-        """What has a time axis: curves, sound and words, one above the other."""
-        rows = QWidget()
-        self.panes.addWidget(rows)
-        column = _column(rows)
-        column.addWidget(self.curves, 1)
-        column.addWidget(self.sound)
-        column.addWidget(self.words)
 
     def _lay_out_side(self) -> None:
         """What is beside it: film and face, and the lists under them."""
