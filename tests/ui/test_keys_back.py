@@ -154,9 +154,13 @@ def test_a_list_that_takes_the_place_of_another_does_not_take_its_keys(
     window: MainWindow,
 ) -> None:
     editor = editor_of(window)
-    for list_, turns in ((editor.edits, "fix_all"), (editor.problem_list, "fix_smile")):
-        editor.lists.setCurrentWidget(list_)
-        list_.findChildren(QAbstractItemView)[0].setFocus(Qt.FocusReason.TabFocusReason)
-        trigger(window, turns)
-        assert editor.lists.currentWidget() is not list_
-        assert home_has_keys(window), (turns, QApplication.focusWidget())
+    for page, field, turn in (
+        (editor.edits, editor.edits.list, editor.list_problems),
+        (editor.problem_list, editor.problem_list.kinds, editor.list_edits),
+    ):
+        editor.lists.setCurrentWidget(page)
+        field.setFocus(Qt.FocusReason.TabFocusReason)
+        assert field.hasFocus()
+        turn()
+        assert editor.lists.currentWidget() is not page
+        assert home_has_keys(window), QApplication.focusWidget()
