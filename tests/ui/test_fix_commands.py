@@ -261,6 +261,14 @@ def test_what_is_written_while_a_fix_is_previewed_says_that_it_is_not_in_it(
     assert said not in window.status.currentMessage(), "nothing was proposed this time"
 
 
+def test_nothing_is_said_of_a_problem_elsewhere(window: MainWindow) -> None:
+    trigger_enabled(window, "next_problem")
+    assert window.commands.fix.problem is not None
+    assert window.status.currentMessage() == window.commands.fix.problem.message
+    window.timeline.visit(9.0)
+    assert window.status.currentMessage() == ""
+
+
 def test_closing_says_that_the_previewed_fix_is_not_among_the_edits(
     bench: Bench, window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
