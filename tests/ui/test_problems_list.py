@@ -56,7 +56,6 @@ def test_down_goes_to_the_problem_and_the_fix_is_shown_before_it_is_made(
 ) -> None:
     editor, session = editor_of(window), session_of(window)
     count = len(editor.problems.problems)
-    assert count >= 1
     QTest.keyClick(window, Qt.Key.Key_Down)
     problem = editor.problems.problems[0]
     assert problem.start <= window.timeline.time <= problem.end
