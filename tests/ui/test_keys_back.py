@@ -21,6 +21,7 @@ from support.media import FakeOutput, with_media
 from support.waiting import run_events
 from support.windows import Bench, add_edit, editor_of, session_of, trigger
 
+from faceedit_app.ui.page.keys_back import KeysBack
 from faceedit_app.ui.start.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
@@ -131,6 +132,24 @@ def test_what_is_hidden_or_disabled_gives_the_keys_back(window: MainWindow) -> N
     search.setFocus()
     trigger(window, "all_channels")
     assert home_has_keys(window)
+
+
+def test_what_hands_the_keys_to_the_curves_by_itself_is_forgotten(bench: Bench) -> None:
+    around = QWidget()
+    home, field = QWidget(around), QLineEdit(around)
+    home.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    KeysBack(around).home = home
+    bench.qtbot.addWidget(around)
+    around.show()
+    around.activateWindow()
+    run_events()
+    field.setFocus()
+    field.hide()  # Qt gives them to what Tab reaches next
+    assert home.hasFocus()
+    field.deleteLater()
+    run_events()
+    QTest.mouseClick(home, LEFT)
+    assert home.hasFocus()
 
 
 def test_what_is_hidden_behind_a_dialog_gives_the_keys_back(window: MainWindow) -> None:

@@ -48,15 +48,14 @@ class KeysBack(QObject):
     def _watch(self, old: QWidget | None, now: QWidget | None) -> None:
         """See all events only while one of them has the focus: it would cost time."""
         is_here = now is not None and now.window() is self._window
-        if is_here and old is not None and old.window() is self._window and _is_gone(old):
-            self.give()  # comes back here with what has the keys then
-            return
-        takes = isinstance(now, _TAKING) and now.window() is self._window
+        takes = is_here and isinstance(now, _TAKING)
         if takes and self._taking is None:
             self._app.installEventFilter(self)
         elif not takes and self._taking is not None:
             self._app.removeEventFilter(self)
         self._taking = now if takes else None
+        if is_here and old is not None and old.window() is self._window and _is_gone(old):
+            self.give()  # comes back here, unless that has the keys already
 
     def give(self) -> None:
         """Give the keys back."""
