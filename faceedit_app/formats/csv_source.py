@@ -115,8 +115,8 @@ class CsvSource:
     def rotated(self, tracked: Floats, edited: Floats) -> CsvSource:
         """The source with other rotations; see `take.RotatingSource.rotated`."""
         now = self
-        for unit, names in ((1.0, [*self.turns]), (DEGREES, [*self.turns])):
-            names = [name for name in names if self.turn_unit(name) == unit]
+        for unit in (1.0, DEGREES):
+            names = [name for name in self.turns if self.turn_unit(name) == unit]
             which, columns = [ROTATION_INDEX[n] for n in names], [self.turns[n] for n in names]
             lines = tuple(now._lines(columns, unit, tracked[:, which], edited[:, which]))
             now = replace(now, table=replace(self.table, lines=lines))

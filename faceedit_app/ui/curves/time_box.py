@@ -58,14 +58,11 @@ class TimeBox(NumberBox):
             ValueError: what is wrong with it, in one line for the user.
         """
         line, rows, number = self._timeline, self._rows, self.number_in(text)
-        is_number = number is not None and 0 <= number <= self.maximum()
+        if number is not None and not 0 <= number <= self.maximum():
+            number = None
         if rows is None:
-            return (
-                number
-                if number is not None and is_number
-                else min(typed_seconds(text), self.maximum())
-            )
-        if number is not None and is_number and line.display.unit is Unit.FRAMES:
+            return min(typed_seconds(text), self.maximum()) if number is None else number
+        if number is not None and line.display.unit is Unit.FRAMES:
             frame = min(max(round(number), 1), len(rows.clip)) - 1
             return rows.of_frame(frame) + 1.0
         return typed_row(rows, text, line.display.unit, rows.at(line.time)) + 1.0
