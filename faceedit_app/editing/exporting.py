@@ -299,6 +299,11 @@ def _left_out(lost: tuple[str, ...], form: OutFormat) -> tuple[str, ...]:
     return tuple(sentences)
 
 
+def _others(take: Take) -> tuple[str, ...]:
+    """Sentences about what else the file has, such as the rows of another face."""
+    return tuple(f"{note}; the rest is left out" for note in take.unread)
+
+
 def _as_take(take: Take, edited: Clip, path: Path, form: OutFormat, options: Options) -> _Encoded:
     """A take as the file of a format of takes."""
     kind = form.kind
@@ -325,7 +330,8 @@ def _as_take(take: Take, edited: Clip, path: Path, form: OutFormat, options: Opt
     if kind.keeps_confidence and done.clip.confidence is not None:
         lost = tuple(name for name in lost if name.lower() != CONFIDENCE)
     lost = tuple(name for name in lost if name not in done.kept)
-    return _Encoded(done.content, done.clip, lost, (done.note, done.faceless))
+    notes = (*(() if done.is_own else _others(take)), done.note, done.faceless)
+    return _Encoded(done.content, done.clip, lost, notes)
 
 
 def _as_scene(take: Take, edited: Clip, _path: Path, form: OutFormat, options: Options) -> _Encoded:
@@ -338,7 +344,7 @@ def _as_scene(take: Take, edited: Clip, _path: Path, form: OutFormat, options: O
     lost = tuple(n for n in take.carried if not (rotation_named(n) or "").startswith(_HEAD))
     turned = clip.rotations is not None and bool(np.any(clip.rotations[:, :3]))
     note = left_out_note(take.without_face(options.filled), take.clip, _MOVES_ON)
-    return _Encoded(content, clip, lost, (note,), turned and not follows)
+    return _Encoded(content, clip, lost, (*_others(take), note), turned and not follows)
 
 
 def changed_frames(session: EditSession, path: Path) -> int:

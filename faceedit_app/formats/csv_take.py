@@ -211,8 +211,8 @@ def csv_take(
         told=_told(table, places, rows, times),
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried.values()),
+        unread=faces,
         notes=(
-            *faces,
             *(_name_notes(table, found) if naming is None else ()),
             *_empty_notes(found, columns),
             *_nameless_notes(table, rows, [k for k, name in carried.items() if not name]),

@@ -24,7 +24,7 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.glb import MAGIC, join_glb, split_glb
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.timing import counted, time_keys
+from faceedit_app.formats.timing import time_keys
 
 FORMAT = "GLB animation"
 _FLOAT = 5126
@@ -105,7 +105,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     if not np.isfinite(values).all():
         raise FileError(path, "holds weights that are not numbers", _EXPORT_AGAIN)
     others = len(tracks) - len(together)
-    notes = (f"{counted(others, 'animation')} more: carried",) if others else ()
+    unread = (f"one of {others + 1} animations is read",) if others else ()
     used = {name for track in together for name in track.names if canonical_channel(name)}
     recording = Recording(
         path=path,
@@ -115,7 +115,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         timing=time_keys(path, main.times, _EXPORT_AGAIN),
         lost=np.zeros(len(values), bool),
         carried=tuple(n for track in together for n in track.names if n and n not in used),
-        notes=notes,
+        unread=unread,
     )
     places = tuple(tuple(found) for found in columns.values())
     return finish_take(recording, fps, lambda scale: GlbSource(glb, tuple(together), places, scale))

@@ -74,8 +74,8 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         clock[-1] if clock else "time",
         rate,
         naming,
-        (*faces, *_notes(sets)),
-        [_sureness(entry) for entry in entries],
+        unread=(*faces, *_unread(sets)),
+        sure=[_sureness(entry) for entry in entries],
     )
 
 
@@ -188,7 +188,7 @@ def _sureness(entry: Any) -> Any:
     return next((value for key, value in named if letters(key) == CONFIDENCE), None)
 
 
-def _notes(sets: Sequence[Sequence[Weights]]) -> tuple[str, ...]:
+def _unread(sets: Sequence[Sequence[Weights]]) -> tuple[str, ...]:
     """The note about frames that have the weights of several faces."""
     most = max(sum(1 for one in row if not one.keys().isdisjoint(row[0])) for row in sets if row)
     return (f"a frame has the weights of {most} faces: the first is read",) if most > 1 else ()

@@ -48,6 +48,7 @@ class JsonFrames:
         rate: frames per second, instead of times.
         naming: the channel that a name means.
         notes: what is unusual about them.
+        unread: as `Take.unread`.
         sure: (R) how sure the tracker was of each frame, numbers; empty if the file does not say.
     """
 
@@ -58,6 +59,7 @@ class JsonFrames:
     rate: float | None = None
     naming: Naming = canonical_channel
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
     sure: Sequence[Any] = ()
 
 
@@ -113,6 +115,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
             *(() if sure_places is None else (CONFIDENCE,)),
         ),
         notes=(*frames.notes, *found.notes),
+        unread=frames.unread,
         rotations=found.rotations,
         rotation_names=tuple(turned),
         confidence=None if sure_places is None else confidence_of(text.look_up(sure_places)),

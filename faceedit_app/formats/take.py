@@ -166,6 +166,7 @@ class Take:
         lead: seconds that the file has before its first face, which is at 0 s of the clip.
         own_rate: frames per second by the file's own times; None if it has none to go by.
         faceless: all rows of the file without a face; None if there are none.
+        unread: the notes about what else the file has, such as other faces; `notes` has them too.
     """
 
     path: Path
@@ -180,6 +181,7 @@ class Take:
     lead: float = 0.0
     own_rate: float | None = None
     faceless: Faceless | None = None
+    unread: tuple[str, ...] = ()
 
     def without_face(self, filled: Floats | None) -> Faceless | None:
         """The rows that have no face, also after fills gave `lost_rows` weights (L, K)."""
@@ -223,6 +225,7 @@ class Recording:
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
         notes: the format's own notes.
+        unread: as `Take.unread`.
         rotations, rotation_names, confidence: as in `Clip`.
         scale: the value of a full blendshape in the file, if the format says it.
         told: (R,) seconds of all rows on a clock of their own, if the format says them.
@@ -237,6 +240,7 @@ class Recording:
     timecodes: tuple[str, ...] | None = None
     carried: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
     rotations: Floats | None = None
     rotation_names: tuple[str, ...] = ROTATIONS
     confidence: Floats | None = None
@@ -289,6 +293,7 @@ def finish_take(
         confidence=recording.confidence,
     )
     notes = (
+        *recording.unread,
         *recording.notes,
         *timing.notes,
         *_rate_notes(timing),
@@ -314,6 +319,7 @@ def finish_take(
         lead=lead,
         own_rate=None if isinstance(found, NoTimes) else found.rate,
         faceless=find_faceless(recording.lost, clip, recording.told),
+        unread=recording.unread,
     )
 
 

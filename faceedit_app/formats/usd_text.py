@@ -72,7 +72,8 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         carried=tuple(
             shown(name, LONGEST_NAME) for k, name in enumerate(names) if k not in columns.values()
         ),
-        notes=_notes(content, len(found)),
+        notes=_notes(content),
+        unread=_unread(len(found)),
     )
     source = partial(SpanSource, content, spans)
     return finish_take(
@@ -165,14 +166,16 @@ def _codes_per_second(path: Path, content: bytes) -> float:
     return found if found > 0 else _DEFAULT_CODES
 
 
-def _notes(content: bytes, animations: int) -> tuple[str, ...]:
-    notes = []
-    if not _CODES.search(content):
-        note = "the file does not say how many time codes make a second"
-        notes.append(unsure(f"{note}: {_DEFAULT_CODES:g} are assumed, as is usual in USD"))
-    if animations > 1:
-        notes.append(f"{animations} animations have ARKit's shapes: the first is read")
-    return tuple(notes)
+def _notes(content: bytes) -> tuple[str, ...]:
+    if _CODES.search(content):
+        return ()
+    note = "the file does not say how many time codes make a second"
+    return (unsure(f"{note}: {_DEFAULT_CODES:g} are assumed, as is usual in USD"),)
+
+
+def _unread(animations: int) -> tuple[str, ...]:
+    note = f"{animations} animations have ARKit's shapes: the first is read"
+    return (note,) if animations > 1 else ()
 
 
 def _line(content: bytes, place: int) -> int:

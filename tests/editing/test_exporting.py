@@ -165,7 +165,7 @@ def test_a_take_shorter_than_the_animation_of_the_character_opens_again(tmp_path
     export(path, replace(take_of(), clip=clip), character=head)
     back = open_take(path)
     np.testing.assert_array_equal(back.clip.weights, clip.weights)
-    assert "1 animation more: carried" in back.notes
+    assert "one of 2 animations is read" in back.notes
 
 
 @pytest.mark.skipif(not (SHARED / "heads" / "facecap.glb").exists(), reason="shared is absent")

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from support import recordings
 
+from faceedit_app.cli import main
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.opening import open_take, write_take
@@ -66,6 +67,27 @@ def test_a_column_tells_the_faces_apart_by_its_name_or_its_labels(
     assert f"has rows of 2 faces: those with {labels[0]} as {column} are read" in take.notes
     write_take(out, take, take.clip.weights)
     assert out.read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("rate", ["30", "60"])
+def test_a_file_that_has_only_the_face_that_was_read_says_so(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], rate: str
+) -> None:
+    path = table(tmp_path / "take.csv", "time_s", (FIRST, SECOND), "face_id")
+    said = "has rows of 2 faces: those with 0 as face_id are read; the rest is left out"
+    assert main(["convert", str(path), str(tmp_path / "out.csv"), "--fps", rate]) == 0
+    is_whole = rate == "30"  # the take's own file with both faces
+    assert (said not in capfd.readouterr().out) is is_whole
+    assert ((tmp_path / "out.csv").read_bytes() == path.read_bytes()) is is_whole
+    frames = [
+        {"time": k / 30, "face": which, "weights": dict(zip(NAMES, face[k].tolist(), strict=True))}
+        for k in range(FRAMES)
+        for which, face in enumerate((FIRST, SECOND))
+    ]
+    (tmp_path / "take.json").write_text(json.dumps(frames))
+    assert main(["convert", str(tmp_path / "take.json"), str(tmp_path / "json.csv")]) == 0
+    said = "has frames of 2 faces: those of the first are read; the rest is left out"
+    assert said in capfd.readouterr().out
 
 
 @pytest.mark.parametrize(("clock", "count"), [("time_s", 2), ("Timecode", 3), ("frame", 2)])
