@@ -16,6 +16,7 @@ from faceedit_app.core.controls import CONTROL_IDS, CONTROL_INDEX
 from faceedit_app.editing.edits.describe import describe
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.edits.media import MediaFile, Placement
+from faceedit_app.editing.edits.retiming import retimed
 from faceedit_app.editing.edits.settings import Settings
 from faceedit_app.editing.history import EDITS, SOUND
 from faceedit_app.editing.session import EditSession
@@ -216,6 +217,19 @@ def test_shifted_stretched_and_mirrored_edits_take_their_points_along() -> None:
     assert drawn.stretched(4.0, 4.0).points == ((4.0, 1.0),)
     assert drawn.mirrored().controls == ("right_corner",)
     assert A.mirrored() == A
+
+
+@pytest.mark.parametrize("seconds", [0.0, 1e-3, 1e-6, 1e-13, 1e-16, 1e-300])
+def test_a_drawn_edit_can_be_squeezed_to_almost_nothing(seconds: float) -> None:
+    """Its points may then fall together by rounding."""
+    line = tuple((57.7 + 0.007 * k, float(k)) for k in range(8000))
+    drawn = Edit(("left_corner",), Op.ADD, 57.7, line[-1][0], 0.1, points=line)
+    for start in (0.0, 50.0, 64.69065):
+        squeezed = drawn.stretched(start, start + seconds)
+        assert {mm for _, mm in squeezed.points} <= {mm for _, mm in line}
+        for other in (squeezed.shifted(1000.0), squeezed.stretched(3.0, 4.0)):
+            assert 1 <= len(other.points) <= len(squeezed.points)
+        assert retimed(squeezed, 0.5).points
 
 
 NAMES = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -22,6 +22,8 @@ from faceedit_app.core.fields import (
 )
 from faceedit_app.core.texts import did_you_mean
 from faceedit_app.editing.edits.channels import channel_problem, mirrored_channels
+
+Points = tuple[tuple[float, float], ...]
 
 LONGEST_SMOOTH = 10.0  # seconds
 STRONGEST = 1.5  # of `Edit.strength`
@@ -111,7 +113,7 @@ class Edit:
     enabled: bool = True
     name: str = ""
     about: float | None = None
-    points: tuple[tuple[float, float], ...] = ()
+    points: Points = ()
     companions: Company = Company.YIELD
     seed: int = 0
     channels: tuple[str, ...] = ()
@@ -247,7 +249,7 @@ class Edit:
             self,
             start=start,
             end=end,
-            points=tuple((to(t), mm) for t, mm in self.points),
+            points=at_times((to(t) for t, _ in self.points), self.points),
             pins=tuple((to(was), to(now)) for was, now in self.pins),
         )
 
@@ -275,6 +277,14 @@ def fade(outside: Doubles, falloff: float) -> Doubles:
         return (outside <= 5e-10).astype(np.float64)
     inside = np.clip(1.0 - np.maximum(outside, 0.0) / falloff, 0.0, 1.0)
     return 0.5 - 0.5 * np.cos(np.pi * inside)
+
+
+def at_times(times: Iterable[float], points: Points) -> Points:
+    """Points at other times, in the same order.
+
+    Those that rounding lets fall together, as in a hold of almost no length, become the last one.
+    """
+    return tuple(dict(zip(times, (mm for _, mm in points), strict=True)).items())
 
 
 def to_json(edit: Edit) -> dict[str, Any]:

@@ -18,7 +18,7 @@ import numpy as np
 from faceedit_app.core.arrays import Times
 from faceedit_app.editing.edits.clock import Clock, clock_of
 from faceedit_app.editing.edits.dividing import are_late
-from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op
+from faceedit_app.editing.edits.edit import OF_THE_TAKE, Edit, Op, at_times
 from faceedit_app.words.transcript import Transcript
 
 DIGITS = 6  # of the seconds of an edit that was moved
@@ -107,13 +107,11 @@ def _moved(edit: Edit, before: Clock | None, after: Clock | None) -> Edit:
         return edit
     first, start, end, last, *times = new.round(DIGITS).tolist()
     fades = max(start - first, 0.0), max(last - end, 0.0)
-    # Points that are cut fall together; the last of them stays.
-    points = dict(zip(times, (value for _, value in edit.points), strict=True))
     return replace(
         edit,
         start=start,
         end=end,
         falloff=fades[0],
         falloff_out=None if fades[0] == fades[1] else fades[1],
-        points=tuple(points.items()),
+        points=at_times(times, edit.points),  # those that are cut fall together
     )

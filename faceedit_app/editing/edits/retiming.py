@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from faceedit_app.editing.edits.edit import LONGEST_SMOOTH, Edit, Op
+from faceedit_app.editing.edits.edit import LONGEST_SMOOTH, Edit, Op, at_times
 
 
 def retimed(edit: Edit, factor: float) -> Edit:
@@ -23,6 +23,6 @@ def retimed(edit: Edit, factor: float) -> Edit:
         falloff=edit.falloff * factor,
         falloff_out=later,
         value=value,
-        points=tuple((time * factor, mm) for time, mm in edit.points),
+        points=at_times((time * factor for time, _ in edit.points), edit.points),
         pins=tuple((was * factor, now * factor) for was, now in edit.pins),
     )

@@ -16,10 +16,8 @@ from faceedit_app.core.controls import (
     MIRRORED_CONTROL,
     SIGNED_CONTROLS,
 )
-from faceedit_app.editing.edits.edit import Company, Edit, Op
+from faceedit_app.editing.edits.edit import Company, Edit, Op, Points
 from faceedit_app.editing.session import EditSession
-
-Points = tuple[tuple[float, float], ...]
 
 TOLERANCE = 0.02  # mm; far too small to see
 PASTE_FALLOFF = 0.1  # seconds
