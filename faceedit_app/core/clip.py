@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX, ROTATIONS
-from faceedit_app.core.arrays import Floats, Times
+from faceedit_app.core.arrays import Floats, Indices, Times
 
 UNSURE = 0.8  # confidence below which the tracker may be wrong; below 0.5 it is a gap
 
@@ -88,3 +88,10 @@ def nearest(times: Times, seconds: float) -> int:
         return right - 1
     before, after = times[right - 1], times[right]
     return right - 1 if seconds - before <= after - seconds else right
+
+
+def nearest_rows(times: Times, wanted: Times) -> Indices:
+    """(N,) indices of the times (T >= 1) nearest to those wanted (N,); see `nearest`."""
+    right = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
+    left, right = right - 1, np.minimum(right, len(times) - 1)
+    return np.where(wanted - times[left] <= times[right] - wanted, left, right)

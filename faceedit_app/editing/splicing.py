@@ -18,12 +18,12 @@ import numpy as np
 from faceedit_app.core import on_disk
 from faceedit_app.core.arrays import Floats, Samples
 from faceedit_app.core.atomic import keep_backup, keep_inputs, write_atomically
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.clip import Clip, nearest_rows
 from faceedit_app.core.errors import FileError, Unavailable
 from faceedit_app.editing.edits.media import MediaFile, Placement
 from faceedit_app.editing.edits.splice import Splice, Spliced, splice
 from faceedit_app.editing.exporting import Options, OutFormat, choose, export_take, own_format
-from faceedit_app.formats.converting import Like, nearest, with_filled
+from faceedit_app.formats.converting import Like, with_filled
 from faceedit_app.formats.csv_style import has_style
 from faceedit_app.formats.faceless import Faceless
 from faceedit_app.formats.registry import Format
@@ -121,7 +121,7 @@ def write_spliced(
     like, rows = None, take.without_face(filled)
     faceless = None if rows is None else made.without_face(rows)
     if form == own_format(take):
-        like = Like(take.source, nearest(take.clip, made.moments(made.clip.times)))
+        like = Like(take.source, nearest_rows(take.clip.times, made.moments(made.clip.times)))
     keeps_rows = like is not None and has_style(like.source, made.clip)
     span = _span(made, faceless if keeps_rows else None)
     film = media.film if has_film else None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Floats, Indices, Times
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.clip import Clip, nearest_rows
 from faceedit_app.core.resample import at_rate
 from faceedit_app.formats.faceless import Faceless, left_out_note
 from faceedit_app.formats.gaps import find_gaps
@@ -98,7 +98,9 @@ def converted(
             return Converted(own, whole, is_own=True, note=take.rate_note)
     assert form.write is not None
     clip = resampled(whole, rate, fill_gaps=not form.tells_times)
-    style = Like(take.source, nearest(take.clip, clip.times)) if is_own and own_layout else like
+    style = like
+    if is_own and own_layout:
+        style = Like(take.source, nearest_rows(take.clip.times, clip.times))
     rows, styled = take.without_face(filled), None
     if style is not None:
         there = None if rows is None else rows.at_rate(whole, clip)
@@ -113,11 +115,6 @@ def _left_out(rows: Faceless | None, clip: Clip, form: Format) -> str:
     if not form.tells_times:
         return left_out_note(rows, clip, f"{form.name} has no times", _FILLED)
     return left_out_note(rows, clip, "other programs need a number in every cell")
-
-
-def nearest(clip: Clip, times: Times) -> Indices:
-    """(N,) the frames of a clip that are nearest to times (N,)."""
-    return np.rint(np.interp(times, clip.times, np.arange(len(clip)))).astype(np.intp)
 
 
 def with_filled(clip: Clip, lost: LostRows | None, filled: Floats | None) -> Clip:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faceedit_app.core.arrays import Bools, Doubles, Indices, Times
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.clip import Clip, nearest_rows
 from faceedit_app.formats.time_columns import text_times
 from faceedit_app.formats.timecode import BadTimecode
 from faceedit_app.formats.timing import BadRow, NoTimes, counted
@@ -61,7 +61,7 @@ class Faceless:
         last = round(max(float(self.times[-1]), float(before.times[-1])) * rate)
         numbers = np.setdiff1d(np.arange(first, last + 1), np.rint(after.times * rate))
         times = numbers / rate
-        row, frame = _nearest(self.times, times), _nearest(before.times, times)
+        row, frame = nearest_rows(self.times, times), nearest_rows(before.times, times)
         is_row = np.abs(self.times[row] - times) < np.abs(before.times[frame] - times) + _INSTANT
         is_row |= (times < 0) | (times > before.times[-1])
         return Faceless(self.rows[row[is_row]], times[is_row])
@@ -159,12 +159,3 @@ def left_out_note(rows: Faceless | None, clip: Clip, why: str, instead: str = ""
 
 def _are(count: int) -> str:
     return "is" if count == 1 else "are"
-
-
-def _nearest(times: Times, wanted: Times) -> Indices:
-    """(N,) which of the times (T,) is nearest to each wanted one (N,)."""
-    after = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
-    before = after - 1
-    after = np.minimum(after, len(times) - 1)
-    nearer = np.abs(times[after] - wanted) < np.abs(times[before] - wanted)
-    return np.where(nearer, after, before)

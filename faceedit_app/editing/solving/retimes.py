@@ -13,8 +13,8 @@ from collections.abc import Callable
 import numpy as np
 
 from faceedit_app.core.arkit import ARKIT_INDEX
-from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Times
-from faceedit_app.core.clip import Clip
+from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices
+from faceedit_app.core.clip import Clip, nearest_rows
 from faceedit_app.core.controls import CONTROL_INDEX, CONTROLS, Control
 from faceedit_app.core.regions import REGIONS
 from faceedit_app.core.resample import interpolate
@@ -135,7 +135,7 @@ class Retiming:
         for control, columns in self._groups:
             curve = curves[:, control]
             at = np.flatnonzero(_extremes(curve) & shown)
-            place = _nearest(moments, recorded[at])
+            place = nearest_rows(moments, recorded[at])
             good = mixed.share[place] == 0
             missed = curve[at] - kept[place, control]
             good &= np.abs(missed) > _LOSS
@@ -169,11 +169,3 @@ def _extremes(curve: Floats) -> Bools:
     least = ((curve <= low) & (curve < high)).all(axis=0)
     most = ((curve >= high) & (curve > low)).all(axis=0)
     return np.logical_or(least, most)
-
-
-def _nearest(moments: Times, wanted: Times) -> Indices:
-    """(N,) which of some moments, in order of time, is nearest to each wanted one between them."""
-    right = np.clip(np.searchsorted(moments, wanted), 1, max(len(moments) - 1, 1))
-    left = right - 1
-    right = np.minimum(right, len(moments) - 1)
-    return np.where(wanted - moments[left] <= moments[right] - wanted, left, right)
