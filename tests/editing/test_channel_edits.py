@@ -240,11 +240,11 @@ def test_mirrored_edit_is_on_the_other_side() -> None:
 # --- rotations ---------------------------------------------------------------------------------
 
 
-def turning(folder: Path) -> EditSession:
-    """A Live Link Face take whose head turns by up to 20 degrees."""
+def turning(folder: Path, channel: str = "headYaw") -> EditSession:
+    """A Live Link Face take whose head, or eye, turns by up to 20 degrees."""
     path = make_livelink_csv(folder / "take.csv", 3.0)
     lines = path.read_text().splitlines()
-    column = lines[0].split(",").index("HeadYaw")
+    column = lines[0].split(",").index(channel[0].upper() + channel[1:])
     for row, line in enumerate(lines[1:]):
         cells = line.split(",")
         cells[column] = f"{np.radians(20) * np.sin(row / 9):.6f}"
@@ -289,6 +289,23 @@ def test_rows_that_get_a_face_get_the_edited_rotations(tmp_path: Path) -> None:
     assert len(written) == len(take.clip) + 2
     assert written.rotations is not None
     assert (written.rotations == 0).all()
+
+
+@pytest.mark.parametrize("channel", ["headYaw", "leftEyePitch"])
+def test_rotations_that_an_edit_makes_wild_are_read_as_they_are_shown(
+    channel: str, tmp_path: Path
+) -> None:
+    """They stay what a head or an eye can be; those beyond it are read as degrees."""
+    session = turning(tmp_path, channel)
+    for _ in range(2):
+        session.add(of_channels(Op.SCALE, channel, value=9.0, span=(0.0, 9.0)))
+    assert session.rotations is not None
+    most = np.degrees(np.abs(session.rotations).max())
+    assert most == pytest.approx(180 if channel == "headYaw" else 60, abs=0.1)
+    session.export(tmp_path / "out.csv")
+    back = open_take(tmp_path / "out.csv").clip.rotations
+    assert back is not None
+    np.testing.assert_allclose(back, session.rotations, atol=1e-5)
 
 
 def test_rotations_are_scaled_and_smoothed_in_degrees(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from faceedit_app.core.arkit import ARKIT_INDEX
 from faceedit_app.core.arrays import Doubles, Floats
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.levels import softly_limited
-from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS, is_rotation
+from faceedit_app.editing.edits.channels import CHANNEL_INDEX, CHANNELS
 from faceedit_app.editing.edits.edit import Edit, Op
 from faceedit_app.editing.solving.bridging import Bridging, smoothed_without
 from faceedit_app.editing.solving.chunks import SLACK, Chunks, ChunkTask, FrameRange
@@ -27,7 +27,10 @@ from faceedit_app.editing.solving.request import active, smoothing, smoothing_fr
 from faceedit_app.editing.solving.rounding import rounded
 
 WEIGHTS = len(ARKIT_INDEX)
-_FARTHEST_TURN = 180.0  # degrees
+# How far an edit goes, unless the take is there already: weights, then degrees of head and eyes. A
+# phone may lie upside down; an eye that turned by a right angle would look into the head.
+_FARTHEST = np.array([1.0] * WEIGHTS + [180.0] * 3 + [60.0] * 6)
+_LOWEST = -_FARTHEST * (np.arange(len(CHANNELS)) >= WEIGHTS)
 
 
 @dataclass(frozen=True)
@@ -193,10 +196,8 @@ class ChannelEdits:
             mask = edit.mask(times[rows])[:, None]
             strength = min(edit.strength, 1.0) if edit.op in _TO_A_GOAL else edit.strength
             moved = now + mask * strength * (wanted - now)
-            if is_rotation(edit.channels[0]):
-                moved = np.clip(moved, -_FARTHEST_TURN, _FARTHEST_TURN)
-            else:
-                moved = np.clip(moved, np.minimum(now, 0.0), np.maximum(now, 1.0))
+            low, high = _LOWEST[columns], _FARTHEST[columns]
+            moved = np.clip(moved, np.minimum(now, low), np.maximum(now, high))
             result[rows, columns] = np.where(mask > 0, moved, now)
         keep_lips_together(result, values)
         return result
