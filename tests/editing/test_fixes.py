@@ -233,6 +233,8 @@ def test_a_renamed_preset_is_the_same_under_its_new_name(tmp_path: Path) -> None
         rename_preset(other, "yours")
     with pytest.raises(FaceEditError, match="no name"):
         rename_preset(other, " ")
+    with pytest.raises(FaceEditError, match="has a preset 'SMILE' of its own"):
+        rename_preset(other, "SMILE")
     assert [p.name for p in load_presets(tmp_path)[0] if p.own] == ["Other", "YOURS"]
 
 
@@ -241,6 +243,8 @@ def test_nothing_to_save_is_reported(tmp_path: Path) -> None:
         save_preset("Mine", EDITS, 8.0 + 1.5, 10.0, tmp_path)
     with pytest.raises(FaceEditError, match="no name"):
         save_preset("  ", EDITS, 2.0, 3.0, tmp_path)
+    with pytest.raises(FaceEditError, match="has a preset 'Smile' of its own"):
+        save_preset("Smile", EDITS, 2.0, 3.0, tmp_path)
     (tmp_path / "file").write_text("")
     with pytest.raises(FileError, match="cannot be"):
         save_preset("Mine", EDITS, 2.0, 3.0, tmp_path / "file")

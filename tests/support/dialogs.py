@@ -127,6 +127,7 @@ DIALOGS: dict[str, Open] = {
     "ask_save_side_by_side": _in_folder("ask_save_side_by_side", "film.mp4"),
     "ask_save_picture": _in_folder("ask_save_picture", "face.png"),
     "ask_preset_name": _asked("ask_preset_name", "Mine"),
+    "ask_delete_preset": _asked("ask_delete_preset", "Mine"),
     "ask_unsaved": _asked("ask_unsaved", "Your edits to take.csv are not saved", "They are lost"),
     "ask_unsaved_map": _asked("ask_unsaved_map", "head.glb"),
     "ask_changed": _asked("ask_changed", Path("take.csv")),

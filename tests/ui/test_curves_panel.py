@@ -340,9 +340,17 @@ def test_a_curve_that_the_character_lacks_is_disabled_and_says_why(qtbot: QtBot)
     able = {plot.control.id: plot.isEnabled() for plot in panel.plots}
     assert able.pop(MOUTH_WIDTH) is False
     assert all(able.values())
-    assert "lacks the control points" in panel.headers[CONTROL_INDEX[MOUTH_WIDTH]].toolTip()
+    plot, header = (row[CONTROL_INDEX[MOUTH_WIDTH]] for row in (panel.plots, panel.headers))
+    assert "lacks the control points" in header.toolTip()
+    said: list[str] = []
+    plot.refused.connect(said.append)
+    QTest.mouseClick(plot.viewport(), Qt.MouseButton.LeftButton)
+    assert said == [header.toolTip()]
     panel.set_session(open_session(tiny_take(), rig))
-    assert panel.plots[CONTROL_INDEX[MOUTH_WIDTH]].isEnabled()
+    assert plot.isEnabled()
+    assert not plot.toolTip()
+    QTest.mouseClick(plot.viewport(), Qt.MouseButton.LeftButton)
+    assert len(said) == 1
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QApplication,
     QLineEdit,
+    QToolButton,
 )
 from support.curves import drag, turn
 from support.windows import Bench, drag_curve, editor_of, session_of
@@ -372,3 +373,14 @@ def test_the_edges_of_the_chosen_edit_reshape_it(window: MainWindow) -> None:
     assert (session.edits[2].start, session.edits[2].end) == pytest.approx((1.5, 1.8))
     np.testing.assert_array_equal(session.weights, before)
     turn(bar, start, 1)
+
+
+def test_a_double_click_on_the_bin_deletes_one_edit(window: MainWindow) -> None:
+    """The next row is chosen by then."""
+    panel = panel_of(window)
+    click(panel, 1)
+    deleted = window.actions_["delete_edit"]
+    (bin_,) = (b for b in panel.findChildren(QToolButton) if b.defaultAction() is deleted)
+    for press in (QTest.mouseClick, QTest.mouseDClick):
+        press(bin_, LEFT)
+    assert names(window) == ["first", "third"]

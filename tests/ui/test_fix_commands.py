@@ -149,13 +149,18 @@ def test_a_preset_is_saved_applied_and_deleted(
     assert session.edits[0].name
     assert 4.5 < session.edits[0].start < 5.5
     monkeypatch.setattr(dialogs, "ask_preset_name", lambda _w, current: f"{current}, wide")
-    for entry, name in ((-2, "My smile"), (-1, "My smile, wide")):  # Rename, then Delete
+    sure, said = [False, True], list[str]()
+    monkeypatch.setattr(dialogs, "ask_delete_preset", lambda _w, _name: sure.pop(0))
+    # Rename, then Delete, twice.
+    for entry, name in ((-2, "My smile"), (-1, "My smile, wide"), (-1, "My smile, wide")):
         menu.aboutToShow.emit()
         act = menu.actions()[entry].menu()
         assert isinstance(act, QMenu)
         assert [action.text() for action in act.actions()] == [name]
         act.actions()[0].trigger()
-    assert window.status.currentMessage() == "Renamed the preset “My smile” to “My smile, wide”"
+        said.append(window.status.currentMessage())
+    renamed = "Renamed the preset “My smile” to “My smile, wide”"
+    assert said == [renamed, renamed, "Deleted the preset “My smile, wide”"]
     menu.aboutToShow.emit()
     assert [a.text() for a in menu.actions()] == ["No presets of your own"]
 

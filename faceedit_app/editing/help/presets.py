@@ -291,9 +291,12 @@ def rename_preset(preset: Preset, name: str) -> Preset:
 
 
 def _clean_name(name: str) -> str:
-    if cleaned := clean_text(name.strip()):
-        return cleaned
-    raise FaceEditError("The preset has no name; give it one")
+    cleaned = clean_text(name.strip())
+    if not cleaned:
+        raise FaceEditError("The preset has no name; give it one")
+    if cleaned.lower() in (preset.name.lower() for preset in shipped_presets()):
+        raise FaceEditError(f"FaceEdit has a preset {cleaned!r} of its own; choose another name")
+    return cleaned
 
 
 def _path_for(name: str, folder: Path) -> Path:

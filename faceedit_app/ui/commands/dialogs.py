@@ -108,12 +108,7 @@ def ask_export_as(
 def ask_film(
     parent: QWidget, rate: float, has_sound: bool, has_film: bool
 ) -> tuple[FilmFormat, Shot] | None:
-    """How to film a take.
-
-    Args:
-        rate: of the take.
-        has_sound, has_film: whether the take has them.
-    """
+    """How to film a take of so many frames per second, which may have sound and a film."""
     from faceedit_app.ui.page.film_dialog import FilmDialog  # brings PyAV's wrappers
 
     with shown_once(FilmDialog(parent, rate, has_sound, has_film)) as dialog:
@@ -147,10 +142,8 @@ def ask_stop_writing(parent: QWidget, names: Sequence[str]) -> bool:
     """Whether to give up files that are being written."""
     are, them = ("is", "it") if len(names) == 1 else ("are", "them")
     message = f"{' and '.join(names)} {are} still being written."
-    box = _question(parent, message, f"If you stop now, nothing of {them} is kept.")
-    stop = box.addButton("&Stop and close", QMessageBox.ButtonRole.DestructiveRole)
-    go_on = box.addButton("&Keep writing", QMessageBox.ButtonRole.RejectRole)
-    return _insists(box, stop, go_on)
+    more = f"If you stop now, nothing of {them} is kept."
+    return _insists(parent, message, more, "&Stop and close", "&Keep writing")
 
 
 def show_exported(parent: QWidget, path: Path, lines: Sequence[str]) -> None:
@@ -170,11 +163,8 @@ def ask_overwrite(parent: QWidget, path: Path, reason: str) -> Changed:
     Args:
         reason: why it should be kept, as a phrase that follows its name.
     """
-    box = _question(
-        parent,
-        f"{path.name} {reason}.",
-        f"If you overwrite it, the recording is kept {where_kept(path)}.",
-    )
+    more = f"If you overwrite it, the recording is kept {where_kept(path)}."
+    box = _question(parent, f"{path.name} {reason}.", more)
     other = box.addButton("&Choose another name…", QMessageBox.ButtonRole.AcceptRole)
     overwrite = box.addButton("&Overwrite recording", QMessageBox.ButtonRole.DestructiveRole)
     box.setDefaultButton(other)
@@ -222,8 +212,7 @@ def ask_recover(parent: QWidget, pending: Pending) -> Recover:
         box.addButton("&Recover", role.AcceptRole): Recover.RECOVER,
         box.addButton("&Discard", role.DestructiveRole): Recover.DISCARD,
     }
-    later = box.addButton("&Ask later", role.RejectRole)
-    box.setEscapeButton(later)
+    box.setEscapeButton(box.addButton("&Ask later", role.RejectRole))
     clicked = _clicked(box)
     return next((what for button, what in choices.items() if button is clicked), Recover.LATER)
 
@@ -313,6 +302,12 @@ def ask_preset_name(parent: QWidget, current: str = "") -> str | None:
     return name.strip() if ok and name.strip() else None
 
 
+def ask_delete_preset(parent: QWidget, name: str) -> bool:
+    """Whether to delete a preset."""
+    message = f"Delete the preset “{name}”?"
+    return _insists(parent, message, "It cannot be brought back.", "&Delete", "&Keep")
+
+
 def ask_unsaved(
     parent: QWidget, message: str, more: str = "", *, asks: bool = True, exports: bool = True
 ) -> Unsaved:
@@ -379,11 +374,14 @@ def _question(parent: QWidget, message: str, more: str) -> QMessageBox:
     return box
 
 
-def _insists(box: QMessageBox, risky: QPushButton, safe: QPushButton) -> bool:
+def _insists(parent: QWidget, message: str, more: str, risky: str, safe: str) -> bool:
     """Whether the user chooses what loses something; Enter and Esc do not."""
-    box.setDefaultButton(safe)
-    box.setEscapeButton(safe)
-    return _clicked(box) is risky
+    box = _question(parent, message, more)
+    button = box.addButton(risky, QMessageBox.ButtonRole.DestructiveRole)
+    keep = box.addButton(safe, QMessageBox.ButtonRole.RejectRole)
+    box.setDefaultButton(keep)
+    box.setEscapeButton(keep)
+    return _clicked(box) is button
 
 
 def _choice(box: QMessageBox, choices: Mapping[QPushButton, Picked], cancel: Picked) -> Picked:

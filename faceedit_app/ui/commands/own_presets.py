@@ -92,7 +92,11 @@ class OwnPresetCommands:
         self._workspace.message.emit(text)
 
     def _delete(self, preset: Preset) -> None:
+        if not dialogs.ask_delete_preset(self._workspace.window, preset.name):
+            return
         try:
             delete_preset(preset)
         except FaceEditError as error:
             dialogs.show_error(self._workspace.window, error)
+            return
+        self._workspace.message.emit(f"Deleted the preset “{preset.name}”")

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from faceedit_app.core.controls import CONTROLS, Control
 from faceedit_app.ui.curves import style
 from faceedit_app.ui.look.guard import guarded
+from faceedit_app.ui.look.palette import DISABLED, FAINT
 
 _BAR = 3  # pixels of region colour
 _TEXT_LEFT = 12
@@ -183,6 +184,11 @@ class Header(QWidget):
             self._least = least
             self.update()
 
+    def _name_color(self) -> str:
+        if not self.isEnabled():
+            return DISABLED
+        return style.TEXT if self._active else style.LABEL
+
     def _layout(self) -> Layout:
         """Computed once for each size and font."""
         least = min(self._least or self.height(), self.height())
@@ -216,7 +222,7 @@ class Header(QWidget):
     @guarded
     def paintEvent(self, event: QPaintEvent) -> None:
         """Paint bar, name and value; the name only where it is out of date."""
-        layout, color = self._layout(), self.control.color
+        layout, color = self._layout(), self.control.color if self.isEnabled() else FAINT
         with QPainter(self) as painter:
             ground = style.PLOT_ACTIVE if self._active else style.PLOT
             painter.fillRect(event.rect(), style.color(ground))
@@ -226,7 +232,7 @@ class Header(QWidget):
             painter.fillRect(bar, style.color(color))
             painter.setFont(layout.name_font)
             if layout.name.intersects(event.rect()):
-                painter.setPen(style.color(style.TEXT if self._active else style.LABEL))
+                painter.setPen(style.color(self._name_color()))
                 if layout.is_low:
                     painter.drawText(layout.name, _MIDDLE, self._short_name(layout))
                 else:
@@ -237,7 +243,7 @@ class Header(QWidget):
             if layout.note is not None and self.note:
                 painter.drawText(layout.note, _LEFT, self.note)
             painter.setFont(layout.value_font)
-            painter.setPen(style.color(style.TEXT))
+            painter.setPen(style.color(style.TEXT if self.isEnabled() else DISABLED))
             if layout.is_low:
                 painter.drawText(layout.value, _RIGHT, self.value.removesuffix(UNIT))
             else:

@@ -286,7 +286,7 @@ class CurvesPanel(QWidget):
             self.shown.allow(rig.missing_controls, rig.missing_note)
         for plot, header in zip(self.plots, self.headers, strict=True):
             reason = why.get(plot.control.id, "")
-            plot.setEnabled(not reason)
+            plot.show_missing(reason)
             header.show_missing(reason)
 
     def refresh(self) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import pyqtgraph as pg
-from PySide6.QtCore import QPoint, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QKeyEvent, QMouseEvent, QPainter
 from PySide6.QtWidgets import QSizePolicy
 
@@ -98,10 +98,12 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
     Signals:
         focus_changed(): the plot gained or lost the focus.
         menu_asked(seconds, place): a right click: its time, and its place on the screen.
+        refused(why): a press on a curve that cannot be changed.
     """
 
     focus_changed = Signal()
     menu_asked = Signal(float, QPoint)
+    refused = Signal(str)
 
     def __init__(self, control: Control, timeline: Timeline, mouse: CurveMouse) -> None:
         self.control, self._mouse, self._timeline = control, mouse, timeline
@@ -179,6 +181,17 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         if values != self.values:
             self.view.setYRange(*values, padding=0)
 
+    def show_missing(self, why: str) -> None:
+        """Disable and dim the curve, or enable it if `why` is empty."""
+        self.setEnabled(not why)
+        self.setToolTip(why)
+        for item in (self._lines, self._dot):
+            item.setOpacity(style.DIMMED if why else 1.0)
+        if why:
+            self.viewport().installEventFilter(self)
+        else:
+            self.viewport().removeEventFilter(self)
+
     @property
     def lines(self) -> Lines:
         """The curve's three lines."""
@@ -249,6 +262,12 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         self._backdrop.paint(painter)
 
     # --- events ----------------------------------------------------------------------------
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Say why a press does nothing; a disabled widget gets no events itself."""
+        if event.type() == QEvent.Type.MouseButtonPress and not self.isEnabled():
+            self.refused.emit(self.toolTip())
+        return super().eventFilter(watched, event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue the gesture on the curve, else let pyqtgraph handle it."""

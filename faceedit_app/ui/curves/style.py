@@ -32,6 +32,7 @@ GAP = "#d08a6a"  # gaps
 TAG = "#14161a"  # behind numbers on the curves
 
 FACE_WIDTH = 1.8  # pixels
+DIMMED = 0.4  # opacity of a curve that cannot be changed
 HEADER_WIDTH = 182  # left of everything on the time axis
 AXIS_WIDTH = 38  # of it, for the numbers of the value axis
 RULER_HEIGHT = 34

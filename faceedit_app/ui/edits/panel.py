@@ -100,7 +100,7 @@ class EditsPanel(QWidget):
         bar.addWidget(self.strength)
         bar.addWidget(self.percent)
         bar.addSpacing(GAP)
-        bar.addWidget(icon_button(self._actions["delete_edit"], repeats=True))
+        bar.addWidget(icon_button(self._actions["delete_edit"]))
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)

@@ -202,7 +202,8 @@ class MainWindow(WindowBase):
         self.keys.back.home = page.curves
         self._preferences.restore_panes(page.panes, page.side)
         page.problems.picked.connect(self.commands.fix.go_to)
-        page.proposal.dropped.connect(self.workspace.message)
+        for refused in (page.proposal.dropped, *(plot.refused for plot in page.curves.plots)):
+            refused.connect(self.workspace.message)
         page.hints.closed.connect(page.curves.setFocus)
         page.hints.began.connect(self.commands.file.character.make_room_for_hints)
         page.hints.closed.connect(self.commands.file.character.hints_closed)
@@ -262,11 +263,8 @@ class MainWindow(WindowBase):
     def _continue_without_engine(self, error: Exception) -> None:
         self.document.settle_engine()
         self.status.set_networks("missing", str(error))
-        self.banner.show_message(
-            f"The face model could not be loaded, so edits look less natural. {error}",
-            str(error),
-            lasts=True,
-        )
+        text = f"The face model could not be loaded, so edits look less natural. {error}"
+        self.banner.show_message(text, str(error), lasts=True)
         self._settle()
 
     # --- following the document --------------------------------------------------------------
