@@ -2,7 +2,8 @@
 
 A track is one such channel: key times in seconds, and for each key the weights of all shapes of
 the mesh, named by `extras.targetNames`. Meshes that share a take, such as head and teeth, have one
-track each; tracks with the same times are edited together. Everything else is carried.
+track each: those that follow the first are edited along. Everything else, such as another person
+or another take, is carried.
 
 An export overwrites the changed weights in place. Weights stored as integers or compressed are
 written to the end of the file, as floats.
@@ -11,60 +12,34 @@ written to the end of the file, as floats.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from faceedit_app.core.arrays import Floats, Times
+from faceedit_app.core.arrays import Doubles, Floats, Times
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.glb import MAGIC, join_glb, split_glb
+from faceedit_app.core.glb import MAGIC, join_glb
 from faceedit_app.core.names import canonical_channel
+from faceedit_app.formats.files import shown
+from faceedit_app.formats.followers import WHOLE, Following, following
+from faceedit_app.formats.glb_tracks import (
+    FLOAT,
+    Glb,
+    Track,
+    Unreadable,
+    parse,
+    shape_channels,
+    tracks_of,
+)
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.timing import time_keys
 
 FORMAT = "GLB animation"
-_FLOAT = 5126
-_TYPES: dict[int, Any] = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", _FLOAT: "<f4"}
-_INDEX_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4"}
-_COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _DAMAGE = (KeyError, IndexError, TypeError, ValueError, AttributeError, struct.error)
-# The best compression of meshoptimizer: one control byte for 256 rows.
-_MOST_EXPANSION = 2048
 _EXPORT_AGAIN = "export it again"
-
-
-@dataclass(frozen=True)
-class Track:
-    """The weights of one mesh over time.
-
-    Attributes:
-        names: the N shapes; "" for one without a name.
-        times: (T,) seconds.
-        values: (T, N) float32.
-        cubic: whether each key has tangents around its weights.
-        sampler: (animation, sampler) indices.
-        offset: where the weights begin in the file; None if they are not plain floats.
-    """
-
-    names: tuple[str, ...]
-    times: Times
-    values: Floats
-    cubic: bool
-    sampler: tuple[int, int]
-    offset: int | None
-
-
-@dataclass(frozen=True)
-class Glb:
-    """A GLB in memory: its bytes, its JSON chunk, and its binary chunk as (start, stop)."""
-
-    content: bytes
-    document: Mapping[str, Any]
-    binary: tuple[int, int]
+_NOT_NUMBERS = "holds weights that are not numbers"
 
 
 def sniff(content: bytes) -> float:
@@ -72,7 +47,9 @@ def sniff(content: bytes) -> float:
     if not content.startswith(MAGIC):
         return 0.0
     try:
-        names = {name for _, _, found in _channels(_parse(content).document) for name in found}
+        names = {
+            name for _, _, _, found in shape_channels(parse(content).document) for name in found
+        }
     except _DAMAGE:
         return 0.0
     return 0.9 if any(map(canonical_channel, names)) else 0.0
@@ -86,26 +63,21 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         FileError: it is damaged, or stored in a way that cannot be read.
     """
     try:
-        glb = _parse(content)
-        tracks = list(_tracks(glb))
-    except _Unreadable as error:
+        glb = parse(content)
+        tracks = list(tracks_of(glb))
+    except Unreadable as error:
         raise FileError(path, str(error), "save it without compression") from None
     except _DAMAGE:
         raise FileError(path, "is damaged", _EXPORT_AGAIN) from None
-    # Of several, the first, as other programs play it: an export puts its take before what the
-    # character came with. A single key is a pose.
-    main = max(tracks, key=lambda track: (len(_columns(track)), len(track.times) > 1))
-    together = [main, *(t for t in tracks if t is not main and _goes_with(t, main))]
-    columns: dict[str, list[tuple[int, int]]] = {}
-    for place, track in enumerate(together):
-        for channel, column in _columns(track).items():
-            columns.setdefault(channel, []).append((place, column))
-    first = [places[0] for places in columns.values()]
-    values = np.stack([together[place].values[:, column] for place, column in first], axis=1)
+    main = max(tracks, key=lambda track: (len(track.columns), _pace(track)))
+    if not _is_finite(main):
+        raise FileError(path, _NOT_NUMBERS, _EXPORT_AGAIN)
+    main = _leader(main, tracks)
+    together, columns = _together(main, tracks)
+    first = [found[0] for found in columns.values()]
+    values = np.stack([together[one.track].values[:, one.column] for one in first], axis=1)
     if not np.isfinite(values).all():
-        raise FileError(path, "holds weights that are not numbers", _EXPORT_AGAIN)
-    others = len(tracks) - len(together)
-    unread = (f"one of {others + 1} animations is read",) if others else ()
+        raise FileError(path, _NOT_NUMBERS, _EXPORT_AGAIN)
     used = {name for track in together for name in track.names if canonical_channel(name)}
     recording = Recording(
         path=path,
@@ -115,157 +87,119 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         timing=time_keys(path, main.times, _EXPORT_AGAIN),
         lost=np.zeros(len(values), bool),
         carried=tuple(n for track in together for n in track.names if n and n not in used),
-        unread=unread,
+        unread=_unread(glb, tracks, together),
     )
+    edited = tuple(_own(track, tracks, together) for track in together)
     places = tuple(tuple(found) for found in columns.values())
-    return finish_take(recording, fps, lambda scale: GlbSource(glb, tuple(together), places, scale))
+    return finish_take(recording, fps, lambda scale: GlbSource(glb, edited, places, scale))
 
 
-class _Unreadable(Exception):
-    """A GLB is stored in a way that cannot be read; the text says how, as a phrase."""
+def _is_finite(track: Track) -> bool:
+    return bool(np.isfinite(track.values[:, list(track.columns.values())]).all())
 
 
-def _columns(track: Track) -> dict[str, int]:
-    found: dict[str, int] = {}
-    for column, name in enumerate(track.names):
-        channel = canonical_channel(name)
-        if channel is not None:
-            found.setdefault(channel, column)
-    return found
+def _pace(track: Track) -> int:
+    """How likely a track is what is to be read; of several that are as likely, it is the first.
 
-
-def _goes_with(track: Track, main: Track) -> bool:
-    return np.array_equal(track.times, main.times) and bool(_columns(track))
-
-
-# --- reading -------------------------------------------------------------------------------------
-
-
-def _parse(content: bytes) -> Glb:
-    return Glb(content, *split_glb(content))
-
-
-def _channels(document: Mapping[str, Any]) -> Iterator[tuple[int, int, tuple[str, ...]]]:
-    """Animation, sampler and shape names of each animation of weights."""
-    for number, animation in enumerate(document.get("animations", [])):
-        for channel in animation["channels"]:
-            target = channel["target"]
-            if target["path"] == "weights" and "node" in target:
-                mesh = document["meshes"][document["nodes"][target["node"]]["mesh"]]
-                yield number, channel["sampler"], _target_names(mesh)
-
-
-def _target_names(mesh: Mapping[str, Any]) -> tuple[str, ...]:
-    primitives = mesh["primitives"]
-    count = len(primitives[0].get("targets", []))
-    for place in (mesh, *primitives):
-        names = (place.get("extras") or {}).get("targetNames")
-        if isinstance(names, list) and len(names) == count:
-            return tuple(name if isinstance(name, str) else "" for name in names)
-    return ("",) * count
-
-
-def _tracks(glb: Glb) -> Iterator[Track]:
-    seen: set[tuple[int, int]] = set()
-    for animation, number, names in _channels(glb.document):
-        if (animation, number) in seen or not any(map(canonical_channel, names)):
-            continue
-        seen.add((animation, number))
-        sampler = glb.document["animations"][animation]["samplers"][number]
-        times, _ = _accessor(glb, sampler["input"])
-        values, offset = _accessor(glb, sampler["output"])
-        cubic = sampler.get("interpolation") == "CUBICSPLINE"
-        shape = (len(times), 3, len(names)) if cubic else (len(times), 1, len(names))
-        values = values.reshape(shape)[:, 1 if cubic else 0]
-        yield Track(names, times.astype(np.float64), values, cubic, (animation, number), offset)
-
-
-def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
-    """The numbers of an accessor (N,), and their place in the file if they are plain floats."""
-    accessor = glb.document["accessors"][index]
-    dtype = np.dtype(_TYPES[accessor["componentType"]])
-    count = accessor["count"]
-    if accessor["type"] != "SCALAR":
-        raise _Unreadable("stores its weights in an unusual way")
-    if "sparse" in accessor:
-        return _sparse(glb, accessor, dtype), None
-    view = glb.document["bufferViews"][accessor["bufferView"]]
-    start = accessor.get("byteOffset", 0)
-    extensions = view.get("extensions", {})
-    packed = next((extensions[name] for name in _COMPRESSED if name in extensions), None)
-    if packed is not None:
-        data, stride = _unpack(glb, packed)
-        # Rows of a compressed view are padded to four bytes: take the numbers from the start.
-        rows = np.frombuffer(data, np.uint8)[start : start + count * stride].reshape(count, stride)
-        numbers = rows[:, : dtype.itemsize].copy().view(dtype)[:, 0]
-        return _as_parts(numbers), None
-    numbers, start = _plain(glb, accessor, dtype, count)
-    plain = accessor["componentType"] == _FLOAT
-    return _as_parts(numbers), glb.binary[0] + start if plain else None
-
-
-def _sparse(glb: Glb, accessor: Mapping[str, Any], dtype: np.dtype[Any]) -> Floats:
-    """The numbers (N,) of an accessor that replaces some of another's, or of zeros."""
-    sparse = accessor["sparse"]
-    dense = {key: value for key, value in accessor.items() if key != "sparse"}
-    if "bufferView" in accessor:
-        numbers, _ = _plain(glb, dense, dtype, accessor["count"])
-        numbers = numbers.copy()
-    else:
-        if accessor["count"] > _MOST_EXPANSION * len(glb.content):
-            raise ValueError("it claims more than it can hold")
-        numbers = np.zeros(accessor["count"], dtype)
-    kind = np.dtype(_INDEX_TYPES[sparse["indices"]["componentType"]])
-    where, _ = _plain(glb, sparse["indices"], kind, sparse["count"])
-    numbers[where], _ = _plain(glb, sparse["values"], dtype, sparse["count"])
-    return _as_parts(numbers)
-
-
-def _plain(
-    glb: Glb, reader: Mapping[str, Any], dtype: np.dtype[Any], count: int
-) -> tuple[NDArray[Any], int]:
-    """Uncompressed numbers (N,) and their place in the binary chunk.
-
-    Args:
-        reader: what names the buffer view and the offset in it.
+    Programs play the first: an export puts its take before what the character came with. A single
+    key is a pose.
     """
-    view = glb.document["bufferViews"][reader["bufferView"]]
-    if view.get("byteStride", dtype.itemsize) != dtype.itemsize:
-        raise _Unreadable("stores its weights in an unusual way")
-    start = view.get("byteOffset", 0) + reader.get("byteOffset", 0)
-    return np.frombuffer(_buffer(glb, view), dtype, count, start), start
+    return int(len(track.times) > 1)
 
 
-def _buffer(glb: Glb, view: Mapping[str, Any]) -> bytes:
-    """The binary chunk, which must contain every plain view."""
-    if view["buffer"] != 0 or "uri" in glb.document["buffers"][0]:
-        raise _Unreadable("keeps its data in other files")
-    return glb.content[slice(*glb.binary)]
+def _leader(main: Track, tracks: list[Track]) -> Track:
+    """What a track follows in the same animation: teeth may come before the head."""
+    for track in tracks:
+        if track.sampler[0] != main.sampler[0] or not _may_follow(track, main):
+            continue
+        shared, follows = _follows(main, _weights(track), main.rounding + track.rounding)
+        if shared and follows and (follows.share < WHOLE or not follows.channels.all()):
+            main = track
+    return main
 
 
-def _unpack(glb: Glb, packed: Mapping[str, Any]) -> tuple[bytes, int]:
-    """The bytes of a compressed buffer view, and the bytes per row."""
-    start, count, stride = packed.get("byteOffset", 0), packed["count"], packed["byteStride"]
-    data = _buffer(glb, packed)[start : start + packed["byteLength"]]
-    if count * stride > _MOST_EXPANSION * len(data):
-        raise ValueError("it claims more than it can hold")
-    import meshopt  # few files are compressed; the window does not wait for this
+def _together(main: Track, tracks: list[Track]) -> tuple[list[Track], dict[str, list[Place]]]:
+    """The tracks that are edited together, and the places of each channel in them."""
+    together: list[Track] = []
+    columns: dict[str, list[Place]] = {}
+    known: dict[str, Doubles] = {}
+    for track in [main, *(track for track in tracks if track is not main)]:
+        if not _may_follow(track, main):
+            continue
+        shared, follows = _follows(track, known, main.rounding + track.rounding)
+        if follows is None:
+            continue
+        shares = {channel: WHOLE for channel in track.columns if channel not in known}
+        along = zip(shared, follows.channels.tolist(), strict=True)
+        shares |= {channel: follows.share for channel, is_along in along if is_along}
+        for channel, share in shares.items():
+            place = Place(len(together), track.columns[channel], share)
+            columns.setdefault(channel, []).append(place)
+        together.append(track)
+        known = _weights(track) | known
+    return together, columns
 
-    rows = meshopt.decode_gltf_buffer(
-        data, count, stride, packed["mode"], packed.get("filter", "NONE")
-    )
-    return np.ascontiguousarray(rows).tobytes(), stride
+
+def _may_follow(track: Track, main: Track) -> bool:
+    return np.array_equal(track.times, main.times) and _is_finite(track)
 
 
-def _as_parts(numbers: NDArray[Any]) -> Floats:
-    """Numbers as floats; integers are normalised to 1."""
-    floats: Floats = numbers.astype(np.float32)
-    if numbers.dtype.kind != "f":
-        floats = np.maximum(floats / np.float32(np.iinfo(numbers.dtype).max), np.float32(-1))
-    return floats
+def _weights(track: Track) -> dict[str, Doubles]:
+    values = track.values.astype(np.float64)
+    return {channel: values[:, column] for channel, column in track.columns.items()}
 
 
-# --- writing -------------------------------------------------------------------------------------
+def _follows(
+    track: Track, known: dict[str, Doubles], rounding: float
+) -> tuple[list[str], Following | None]:
+    """The channels that a track shares with the known ones, and how it follows them."""
+    shared = [channel for channel in track.columns if channel in known]
+    own = track.values[:, [track.columns[channel] for channel in shared]].astype(np.float64)
+    lead = np.array([known[channel] for channel in shared]).reshape(own.shape[::-1]).T
+    return shared, following(lead, own, rounding)
+
+
+def _own(track: Track, tracks: list[Track], together: list[Track]) -> Track:
+    """A track that is written elsewhere if its numbers are also those of another that is kept."""
+    kept = {one.offset for one in tracks if all(one is not other for other in together)}
+    return replace(track, offset=None) if track.offset in kept else track
+
+
+def _unread(glb: Glb, tracks: list[Track], together: list[Track]) -> tuple[str, ...]:
+    """The note about other animations, or about other meshes that move in their own way."""
+    played = {track.sampler[0] for track in together}
+    others = [track for track in tracks if all(track is not one for one in together)]
+    if not others:
+        return ()
+    beside = {track.sampler for track in others if track.sampler[0] in played}
+    apart = {track.sampler[0] for track in others} - played
+    main, which = together[0], []
+    if main.sampler[0] != tracks[0].sampler[0]:
+        which.append(_animation_name(glb, main.sampler[0]))
+    if beside and main.mesh:
+        which.append(f'that of "{shown(main.mesh)}"')
+    note = f"one of {1 + len(beside) + len(apart)} animations is read"
+    return (": ".join([note, ", ".join(which)]) if which else note,)
+
+
+def _animation_name(glb: Glb, number: int) -> str:
+    name = glb.document["animations"][number].get("name")
+    return f'"{shown(name)}"' if isinstance(name, str) and name else f"number {number + 1}"
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the weights of a channel are.
+
+    Attributes:
+        track: which of the edited tracks.
+        column: the shape in it.
+        share: the part of the channel's weight that the shape has.
+    """
+
+    track: int
+    column: int
+    share: float
 
 
 @dataclass(frozen=True)
@@ -275,13 +209,13 @@ class GlbSource:
     Attributes:
         glb: the file.
         tracks: the edited tracks.
-        places: (K) the places of each channel, each a track and a column.
+        places: (K) the places of each channel.
         scale: the value of a full blendshape in the file.
     """
 
     glb: Glb
     tracks: tuple[Track, ...]
-    places: tuple[tuple[tuple[int, int], ...], ...]
+    places: tuple[tuple[Place, ...], ...]
     scale: float = 1.0
 
     def encode(self, tracked: Floats, edited: Floats) -> bytes:
@@ -293,15 +227,16 @@ class GlbSource:
         touched = [np.zeros(track.values.shape, bool) for track in self.tracks]
         for k, found in enumerate(self.places):
             rows = changed[:, k]
-            for place, column in found:
-                values[place][rows, column] = edited[rows, k] * np.float32(self.scale)
-                touched[place][rows, column] = True
+            for one in found:
+                full = np.float32(self.scale * one.share)
+                values[one.track][rows, one.column] = edited[rows, k] * full
+                touched[one.track][rows, one.column] = True
         content = bytearray(self.glb.content)
         moved: list[tuple[Track, Floats]] = []
         for track, new, where in zip(self.tracks, values, touched, strict=True):
             if not where.any():
                 continue
-            if track.offset is None or track.cubic:
+            if track.offset is None or track.is_cubic:
                 moved.append((track, new))
             else:
                 flat = np.frombuffer(content, "<f4", new.size, track.offset)
@@ -311,12 +246,12 @@ class GlbSource:
 
 def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> bytes:
     """A GLB with the weights of some tracks at the end, as plain floats."""
-    glb = _parse(content)
+    glb = parse(content)
     document: Any = glb.document
     binary = bytearray(content[slice(*glb.binary)])
     for track, values in moved:
         animation, number = track.sampler
-        output = _with_tangents(track.times, values) if track.cubic else values
+        output = _with_tangents(track.times, values) if track.is_cubic else values
         binary += b"\0" * (-len(binary) % 4)
         data = output.astype("<f4").tobytes()
         view = {"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)}
@@ -324,7 +259,7 @@ def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> byte
         document["accessors"].append(
             {
                 "bufferView": len(document["bufferViews"]) - 1,
-                "componentType": _FLOAT,
+                "componentType": FLOAT,
                 "count": output.size,
                 "type": "SCALAR",
             }
