@@ -1,8 +1,9 @@
 """The blendshapes of an animation clip of Unity, saved as text (`.anim`, YAML).
 
 Each curve under `m_FloatCurves` has keys with a time and a value, and then its `attribute`, such as
-`blendShape.jawOpen`; `m_EditorCurves` has the same curves once more, for Unity's own editor. Keys
-are frames if all curves that move have them at the same times. Slopes and all else are kept.
+`blendShape.jawOpen`, and the `path` of its mesh; `m_EditorCurves` has the same curves again, for
+Unity's own editor. Keys are frames if all curves that move have them at the same times. Meshes with
+the same weights, such as head and teeth, are one take. Slopes and all else are kept.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import naming_of
 from faceedit_app.formats.files import LONGEST_NAME, check_text, shown
+from faceedit_app.formats.followers import WHOLE, following
 from faceedit_app.formats.number_spans import SpanSource
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.timing import counted, time_keys
@@ -28,7 +30,8 @@ _HEAD = 1 << 12
 _MAGIC = b"tag:unity3d.com"
 _SHAPE = "blendShape."
 _LINE = re.compile(
-    rb"^(?P<indent> *)(?P<list>- )?(?P<key>time|value|attribute|m_\w+): *(?P<text>[^\r\n]*)", re.M
+    rb"^(?P<indent> *)(?:- )?(?P<key>time|value|attribute|path|m_\w+): *(?P<text>[^\r\n]*)",
+    re.M,
 )
 _ATTRIBUTE = re.compile(rb"blendShape\.([^\r\n]+)")
 _SECTIONS = (b"m_FloatCurves", b"m_EditorCurves")
@@ -42,9 +45,10 @@ _SLOPES = (
 
 @dataclass
 class _Curve:
-    """The keys of a shape: times, and where the values are in the file."""
+    """The keys of a shape of a mesh: times, and where the values are in the file."""
 
     name: str = ""
+    mesh: str = ""
     times: list[float] = field(default_factory=list)
     spans: list[tuple[int, int]] = field(default_factory=list)
 
@@ -72,6 +76,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     named = [(channel, curve) for curve in curves if (channel := naming(curve.name))]
     if not named:
         raise FileError(path, "has no keys of ARKit's shapes", _BAKE)
+    named, unread = _one_face(path, content, named)
     longest = max((curve for _, curve in named), key=lambda curve: len(curve.times))
     for _, curve in named:
         if curve.times != longest.times and len(curve.times) > _STILL:
@@ -95,6 +100,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         lost=np.zeros(len(values), bool),
         carried=tuple(shown(name, LONGEST_NAME) for name in sorted(others)),
         notes=(*_still_notes(still), _SLOPES),
+        unread=unread,
         scale=PERCENT if np.abs(values).max() > 1 else None,
     )
     spans = np.array([curve.spans for curve in first], np.int64).transpose(1, 0, 2)
@@ -128,7 +134,48 @@ def _curves(path: Path, content: bytes) -> list[_Curve]:
             curve.name = name.removeprefix(_SHAPE) if name.startswith(_SHAPE) else ""
             found.append(curve)
             curve = _Curve()
+        elif key == b"path" and found and not curve.times:
+            found[-1].mesh = text.decode("utf-8", "replace").strip("\"'")
     return found
+
+
+def _one_face(
+    path: Path, content: bytes, named: list[tuple[str, _Curve]]
+) -> tuple[list[tuple[str, _Curve]], tuple[str, ...]]:
+    """The curves of the mesh with most channels and of those that follow it; a note on others."""
+    meshes: dict[str, dict[str, _Curve]] = {}
+    for channel, curve in named:
+        meshes.setdefault(curve.mesh, {}).setdefault(channel, curve)
+    face = max(meshes, key=lambda mesh: len(_moving(meshes[mesh])))
+    apart = {mesh for mesh in meshes if not _goes_with(path, content, meshes[mesh], meshes[face])}
+    kept = [one for one in named if one[1].mesh not in apart]
+    kept.sort(key=lambda one: one[1].mesh != face)  # teeth that follow may be still where it moves
+    if not apart:
+        return kept, ()
+    which = f': those of "{shown(face)}" are read' if face else ": those of the first are read"
+    note = f"{1 + len(apart)} meshes have weights of their own{which}"
+    return kept, (note,)
+
+
+def _moving(mesh: dict[str, _Curve]) -> dict[str, _Curve]:
+    return {channel: curve for channel, curve in mesh.items() if len(curve.times) > _STILL}
+
+
+def _goes_with(
+    path: Path, content: bytes, mesh: dict[str, _Curve], face: dict[str, _Curve]
+) -> bool:
+    """Whether a mesh has the weights of the face in the channels that both have."""
+    if mesh is face:
+        return True
+    shared = _moving({channel: curve for channel, curve in mesh.items() if channel in face})
+    if any(curve.times != face[channel].times for channel, curve in shared.items()):
+        return False
+    own = [_numbers(path, content, curve.spans) for curve in shared.values()]
+    lead = [_numbers(path, content, face[channel].spans) for channel in shared]
+    if len({len(row) for row in lead}) > 1:
+        return True  # these are refused, as those of one face are
+    found = following(np.array(lead).T, np.array(own).T) if shared else None
+    return not shared or (found is not None and found.share == WHOLE)
 
 
 def _copies(

@@ -61,9 +61,12 @@ def curve(attribute: str, keys: list[tuple[float, float]], path: str = "Head") -
 """
 
 
-def shape(k: int, step: int = 1) -> str:
-    keys = [(n / 60, weight(n, k)) for n in range(0, FRAMES, step)]
-    return curve(f"blendShape.{NAMES[k]}", keys)
+def shape(
+    k: int, step: int = 1, path: str = "Head", shift: int = 0, share: float = 1, still: bool = False
+) -> str:
+    frames = range(0, FRAMES, step)
+    keys = [(n / 60, 0 if still else share * weight(n + shift, k)) for n in frames]
+    return curve(f"blendShape.{NAMES[k]}", keys, path)
 
 
 def clip(*curves: str) -> str:
@@ -98,6 +101,48 @@ def test_an_edit_changes_one_key_in_both_copies(tmp_path: Path) -> None:
     changed = [new for old, new in zip(before, after, strict=True) if old != new]
     assert changed == ["        value: 25.5"] * 2
     np.testing.assert_allclose(open_take(out).clip.weights, edited, atol=1e-6)
+
+
+OTHERS_OF_THEIR_OWN = {
+    "another person": [shape(k, path="Bob/Face", shift=9 * (k < 2)) for k in range(3)],
+    "with other keys": [shape(k, path="Bob/Face", shift=9, step=2) for k in range(3)],
+    "who is still": [shape(k, path="Bob/Face", still=True) for k in range(3)],
+    "teeth with a share": [shape(k, path="Teeth", share=0.8) for k in range(2)],
+}
+
+
+@pytest.mark.parametrize("other", OTHERS_OF_THEIR_OWN.values(), ids=OTHERS_OF_THEIR_OWN)
+@pytest.mark.parametrize("channel", [0, 2])
+def test_the_mesh_of_another_person_is_kept_and_said(
+    tmp_path: Path, other: list[str], channel: int
+) -> None:
+    path, out = tmp_path / "face.anim", tmp_path / "out.anim"
+    path.write_text(clip(*(shape(k, path="Anna/Face") for k in range(3)), *other))
+    take = open_take(path)
+    assert take.unread == ('2 meshes have weights of their own: those of "Anna/Face" are read',)
+    edited = take.clip.weights.copy()
+    edited[8, channel] = 0.255
+    write_take(out, take, edited)
+    before, after = path.read_text().splitlines(), out.read_text().splitlines()
+    changed = [new for old, new in zip(before, after, strict=True) if old != new]
+    assert changed == ["        value: 25.5"] * 2
+    assert "\n".join(after).count("".join(other).strip("\n")) == 2
+
+
+def test_teeth_with_the_weights_of_the_head_are_edited_along(tmp_path: Path) -> None:
+    path, out = tmp_path / "face.anim", tmp_path / "out.anim"
+    teeth = [shape(0, path="Teeth"), shape(1, path="Teeth", still=True)]
+    path.write_text(clip(*teeth, *map(shape, range(3))))
+    take = open_take(path)
+    assert take.unread == ()
+    expected = [[weight(n, k) / 100 for k in range(3)] for n in range(FRAMES)]
+    np.testing.assert_allclose(take.clip.weights, expected, atol=1e-6)
+    edited = take.clip.weights.copy()
+    edited[7, :2] = 0.255
+    write_take(out, take, edited)
+    before, after = path.read_text().splitlines(), out.read_text().splitlines()
+    changed = [new for old, new in zip(before, after, strict=True) if old != new]
+    assert changed == ["        value: 25.5"] * 6  # jawOpen of both meshes, and a blink
 
 
 def test_keys_that_are_not_frames_are_refused_in_one_line(tmp_path: Path) -> None:
