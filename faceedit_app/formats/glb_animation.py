@@ -5,8 +5,9 @@ the mesh, named by `extras.targetNames`. Meshes that share a take, such as head 
 track each: those that follow the first are edited along. Everything else, such as another person
 or another take, is carried.
 
-An export overwrites the changed weights in place. Weights stored as integers or compressed are
-written to the end of the file, as floats.
+An export overwrites the changed weights in place, and with them the tangents of their keys
+(CUBICSPLINE). Weights stored as integers or compressed are written to the end of the file, as
+floats.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from faceedit_app.core.arrays import Doubles, Floats, Times
+from faceedit_app.core.arrays import Bools, Doubles, Floats
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.glb import MAGIC, join_glb
 from faceedit_app.core.names import canonical_channel
@@ -39,6 +40,10 @@ from faceedit_app.formats.timing import time_keys
 FORMAT = "GLB animation"
 _DAMAGE = (KeyError, IndexError, TypeError, ValueError, AttributeError, struct.error)
 _EXPORT_AGAIN = "export it again"
+_SLOPES = (
+    "only edited keys get new slopes: each key is exact, and between an edited key and one that is "
+    "not, the curve may bend"
+)
 _NOT_NUMBERS = "holds weights that are not numbers"
 
 
@@ -86,6 +91,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         values=values.astype(np.float64),
         timing=time_keys(path, main.times, _EXPORT_AGAIN),
         lost=np.zeros(len(values), bool),
+        notes=(_SLOPES,) if any(track.is_cubic for track in together) else (),
         carried=tuple(n for track in together for n in track.names if n and n not in used),
         unread=_unread(glb, tracks, together),
     )
@@ -236,22 +242,47 @@ class GlbSource:
         for track, new, where in zip(self.tracks, values, touched, strict=True):
             if not where.any():
                 continue
-            if track.offset is None or track.is_cubic:
-                moved.append((track, new))
+            output = _edited_output(track, new, where)
+            if track.offset is None:
+                moved.append((track, output))
             else:
-                flat = np.frombuffer(content, "<f4", new.size, track.offset)
-                flat[where.ravel()] = new[where]
+                flat = np.frombuffer(content, "<f4", output.size, track.offset)
+                rewritten = np.broadcast_to(where[:, None], output.shape)
+                flat[rewritten.ravel()] = output[rewritten]
         return _with_new_outputs(bytes(content), moved) if moved else bytes(content)
 
 
+def _edited_output(track: Track, values: Floats, touched: Bools) -> Floats:
+    """The output of a track with the weights of `values` (T, N) where they are `touched` (T, N).
+
+    Tangents of these keys turn by the slope of what the edit adds: its own curve is smooth, and
+    that of the file keeps its corners.
+    """
+    output = track.output.copy()
+    if track.is_cubic:
+        turn = _slopes(track, values)
+        output[:, 0][touched] += turn[touched]
+        output[:, 2][touched] += turn[touched]
+    output[:, output.shape[1] // 2][touched] = values[touched]
+    return output
+
+
+def _slopes(track: Track, values: Floats) -> Floats:
+    """(T, N) the slopes, per second, of what weights (T, N) add; 0 where times stand still."""
+    if len(track.times) < 2:
+        return np.zeros_like(values)
+    with np.errstate(all="ignore"):
+        slopes = np.gradient(values - track.values, track.times, axis=0)
+    return np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32)
+
+
 def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> bytes:
-    """A GLB with the weights of some tracks at the end, as plain floats."""
+    """A GLB with the outputs of some tracks at the end, as plain floats."""
     glb = parse(content)
     document: Any = glb.document
     binary = bytearray(content[slice(*glb.binary)])
-    for track, values in moved:
+    for track, output in moved:
         animation, number = track.sampler
-        output = _with_tangents(track.times, values) if track.is_cubic else values
         binary += b"\0" * (-len(binary) % 4)
         data = output.astype("<f4").tobytes()
         view = {"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)}
@@ -269,9 +300,3 @@ def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> byte
         binary += data
     document["buffers"][0]["byteLength"] = len(binary)
     return join_glb(document, bytes(binary))
-
-
-def _with_tangents(times: Times, values: Floats) -> Floats:
-    """(T, 3, N): in-tangents, weights, out-tangents of a curve through the weights (T, N)."""
-    slopes = np.gradient(values, times, axis=0) if len(times) > 1 else np.zeros_like(values)
-    return np.stack([slopes, values, slopes], axis=1).astype(np.float32)

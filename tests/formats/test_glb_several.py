@@ -126,3 +126,20 @@ def test_numbers_that_another_animation_shares_are_written_anew(tmp_path: Path) 
     _, [[after], [other]] = edit(path)
     assert after[28] == 0.75
     np.testing.assert_array_equal(other.reshape(FRAMES, 4), ANNA)
+
+
+def test_only_edited_keys_get_new_tangents(tmp_path: Path) -> None:
+    stored = np.stack([-ANNA, ANNA, 2 * ANNA], axis=1)
+    path = write_animations(
+        tmp_path / "a.glb", {"Head": NAMES}, [("Take", [Played("Head", stored)])]
+    )
+    take, out = open_take(path), tmp_path / "out.glb"
+    weights = take.clip.weights.copy()
+    weights[10:20, 0] += np.float32(0.1) * np.arange(1, 11, dtype=np.float32)
+    write_take(out, take, weights)
+    before, after = (outputs(one)[0][0].reshape(FRAMES, 3, 4) for one in (path, out))
+    assert len(out.read_bytes()) == len(path.read_bytes())
+    rows, _, shapes = np.nonzero(before != after)
+    assert (set(rows), set(shapes)) == (set(range(10, 20)), {0})
+    np.testing.assert_allclose((after - before)[11:19, ::2, 0], 0.1 * 30, atol=1e-5)
+    assert any("slopes" in note for note in take.notes)
