@@ -44,6 +44,7 @@ _SLOPES = (
     "only edited keys get new slopes: each key is exact, and between an edited key and one that is "
     "not, the curve may bend"
 )
+_SLOW = 0.25  # seconds from key to key that no tracker leaves
 _NOT_NUMBERS = "holds weights that are not numbers"
 
 
@@ -108,9 +109,14 @@ def _pace(track: Track) -> int:
     """How likely a track is what is to be read; of several that are as likely, it is the first.
 
     Programs play the first: an export puts its take before what the character came with. A single
-    key is a pose.
+    key is a pose, and a few that are far apart, or do not move, are no performance.
     """
-    return int(len(track.times) > 1)
+    steps = np.diff(track.times)
+    if not len(steps):
+        return 0
+    weights = track.values[:, list(track.columns.values())]
+    is_slow = float(np.median(steps)) > _SLOW
+    return 2 if len(steps) > 1 and not is_slow and (weights != weights[0]).any() else 1
 
 
 def _leader(main: Track, tracks: list[Track]) -> Track:
@@ -273,7 +279,8 @@ def _slopes(track: Track, values: Floats) -> Floats:
         return np.zeros_like(values)
     with np.errstate(all="ignore"):
         slopes = np.gradient(values - track.values, track.times, axis=0)
-    return np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32)
+    finite: Floats = np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32)
+    return finite
 
 
 def _with_new_outputs(content: bytes, moved: list[tuple[Track, Floats]]) -> bytes:

@@ -42,7 +42,6 @@ PEOPLE = {
     "in two": [("A", [Played("Anna", ANNA)]), ("B", [Played("Bob", BOB)])],
     "two takes": [("Take1", [Played("Anna", ANNA)]), ("Take2", [Played("Anna", BOB)])],
     "who is still": [("Scene", [Played("Anna", ANNA), Played("Bob", 0 * BOB)])],
-    "still at first": [("Scene", [Played("Anna", 0 * ANNA), Played("Bob", BOB)])],
     "alike in a channel": [
         ("Scene", [Played("Anna", ANNA), Played("Bob", np.where([1, 0, 0, 0], ANNA, BOB))])
     ],
@@ -143,3 +142,31 @@ def test_only_edited_keys_get_new_tangents(tmp_path: Path) -> None:
     assert (set(rows), set(shapes)) == (set(range(10, 20)), {0})
     np.testing.assert_allclose((after - before)[11:19, ::2, 0], 0.1 * 30, atol=1e-5)
     assert any("slopes" in note for note in take.notes)
+
+
+IDLES = {
+    "two keys": Played("Head", 0.1 * ANNA[:2], np.arange(2.0)),
+    "few keys": Played("Head", 0.1 * ANNA[:5], np.arange(5) / 2),
+    "nothing moves": Played("Head", 0 * ANNA),
+}
+
+
+@pytest.mark.parametrize("idle", IDLES.values(), ids=IDLES)
+@pytest.mark.parametrize(("name", "says"), [("Talk", '"Talk"'), ("", "number 2")])
+def test_a_performance_is_read_although_an_idle_comes_first(
+    tmp_path: Path, idle: Played, name: str, says: str
+) -> None:
+    animations = [("Idle", [idle]), (name, [Played("Head", BOB)])]
+    path = write_animations(tmp_path / "a.glb", {"Head": NAMES}, animations)
+    take, [[first], [second]] = edit(path)
+    assert take.unread == (f"one of 2 animations is read: {says}",)
+    np.testing.assert_array_equal(first, outputs(path)[0][0])
+    assert second[28] == 0.75
+
+
+def test_of_two_performances_the_first_is_read(tmp_path: Path) -> None:
+    animations = [("Take1", [Played("Head", ANNA[:5])]), ("Take2", [Played("Head", BOB)])]
+    path = write_animations(tmp_path / "a.glb", {"Head": NAMES}, animations)
+    take = open_take(path)
+    assert len(take.clip) == 5
+    assert take.unread == ("one of 2 animations is read",)
