@@ -29,7 +29,7 @@ from faceedit_app.formats.glb_tracks import (
     FLOAT,
     Glb,
     Track,
-    Unreadable,
+    UnusualStorage,
     parse,
     shape_channels,
     tracks_of,
@@ -71,7 +71,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     try:
         glb = parse(content)
         tracks = list(tracks_of(glb))
-    except Unreadable as error:
+    except UnusualStorage as error:
         raise FileError(path, str(error), "save it without compression") from None
     except _DAMAGE:
         raise FileError(path, "is damaged", _EXPORT_AGAIN) from None

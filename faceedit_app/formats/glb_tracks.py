@@ -26,7 +26,7 @@ _COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _MOST_EXPANSION = 2048
 
 
-class Unreadable(Exception):
+class UnusualStorage(Exception):
     """A GLB is stored in a way that cannot be read; the text says how, as a phrase."""
 
 
@@ -146,7 +146,7 @@ def _accessor(glb: Glb, index: int) -> tuple[Floats, int | None]:
     dtype = np.dtype(_TYPES[accessor["componentType"]])
     count = accessor["count"]
     if accessor["type"] != "SCALAR":
-        raise Unreadable("stores its weights in an unusual way")
+        raise UnusualStorage("stores its weights in an unusual way")
     if "sparse" in accessor:
         return _sparse(glb, accessor, dtype), None
     view = glb.document["bufferViews"][accessor["bufferView"]]
@@ -191,7 +191,7 @@ def _plain(
     """
     view = glb.document["bufferViews"][reader["bufferView"]]
     if view.get("byteStride", dtype.itemsize) != dtype.itemsize:
-        raise Unreadable("stores its weights in an unusual way")
+        raise UnusualStorage("stores its weights in an unusual way")
     start = view.get("byteOffset", 0) + reader.get("byteOffset", 0)
     return np.frombuffer(_buffer(glb, view), dtype, count, start), start
 
@@ -199,7 +199,7 @@ def _plain(
 def _buffer(glb: Glb, view: Mapping[str, Any]) -> bytes:
     """The binary chunk, which must contain every plain view."""
     if view["buffer"] != 0 or "uri" in glb.document["buffers"][0]:
-        raise Unreadable("keeps its data in other files")
+        raise UnusualStorage("keeps its data in other files")
     return glb.content[slice(*glb.binary)]
 
 
