@@ -37,10 +37,10 @@ from faceedit_app.formats.lost_faces import (
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.rotations import Turned, found_rotations, read_rotations
-from faceedit_app.formats.several_faces import likely_face, named_face
+from faceedit_app.formats.several_faces import clock_columns, likely_face, named_face
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, counts_steps, read_times, time_columns
+from faceedit_app.formats.time_columns import RowTimes, counts_steps, read_times
 from faceedit_app.formats.timecode import is_timecode
 from faceedit_app.formats.timecode_readings import OWN_BASE_NOTES
 from faceedit_app.formats.timing import NoTimes, of_pictures
@@ -126,7 +126,7 @@ class _Places:
         bare = [letters(name) for name in lower]
         flag = flag_column(table.names)
         turns = found_rotations(table.names)
-        clocks = [k for k in time_columns(table.names) if k not in channels.indices]
+        clocks = [k for k in clock_columns(table.names) if k not in channels.indices]
         rate = rate_column(table.names)
         known = {*channels.indices, *clocks, *turns.values(), flag, rate}
         return cls(

@@ -31,9 +31,10 @@ from faceedit_app.formats.json_text import looks_like_json
 from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.number_spans import SpanSource
 from faceedit_app.formats.numbers import is_number
+from faceedit_app.formats.several_faces import clock_columns, face_in_lines
 from faceedit_app.formats.stated_rate import rate_in_table, settled
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, read_times, time_columns
+from faceedit_app.formats.time_columns import RowTimes, read_times
 from faceedit_app.formats.timing import NoTimes
 
 FORMAT = "CSV with a line for each weight"
@@ -45,6 +46,7 @@ _VALUES = {
     *("wert", "valeur", "valor", "valore"),
 }
 _DELIMITERS = (b",", b";", b"\t", b"|")
+_NUMERIC = re.compile(rb'[ "]*[+-]?\.?\d')  # how numbers and times begin
 _LETTER = re.compile(rb"[A-Za-z\x80-\xff]")  # also a byte of one that is not ASCII
 
 
@@ -118,16 +120,22 @@ def _count_named(cells: Cells, naming: Naming) -> int:
 def _with_header(table: Table) -> Table:
     """The table with the line before the first weight as its header."""
     delimiter = max(_DELIMITERS, key=lambda one: _name_column(table.lines, one) is not None)
-    for line, text in enumerate(table.lines[:_SAMPLE]):
-        cells = split_line(text.removeprefix(BOM).rstrip(b"\r\n"), delimiter) or []
-        if any(canonical_channel(plain_text(cell)) for cell in cells):
-            if line == 0:
-                what = "has a line for each weight, and no line with the names of its columns"
-                raise table.error(what, 'write one at the top, such as "time,channel,value"', 0)
-            head = table.lines[line - 1].removeprefix(BOM).rstrip(b"\r\n")
-            names = tuple(plain_text(cell) for cell in split_line(head, delimiter) or [])
-            return replace(table, header=line - 1, names=names, delimiter=delimiter)
-    return table
+    rows = [
+        split_line(line.removeprefix(BOM).rstrip(b"\r\n"), delimiter) or []
+        for line in table.lines[:_SAMPLE]
+    ]
+    names_channel = (any(canonical_channel(plain_text(c)) for c in cells) for cells in rows)
+    first = next((line for line, is_named in enumerate(names_channel) if is_named), None)
+    if first is None:
+        return table
+    # Weights with other names, such as MediaPipe's `_neutral`, may come before those of channels.
+    while first and any(map(_NUMERIC.match, rows[first - 1])):
+        first -= 1
+    if first == 0:
+        what = "has a line for each weight, and no line with the names of its columns"
+        raise table.error(what, 'write one at the top, such as "time,channel,value"', 0)
+    names = tuple(map(plain_text, rows[first - 1]))
+    return replace(table, header=first - 1, names=names, delimiter=delimiter)
 
 
 def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> LongLayout:
@@ -138,7 +146,7 @@ def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> LongLayout:
         raise table.error("holds no ARKit channel such as jawOpen", "choose another take")
     numbers = [k for k in range(len(table.names)) if k != name and _holds_numbers(table, rows, k)]
     called = [k for k in numbers if table.names[k].strip().lower() in _VALUES]
-    clocks = [k for k in time_columns(table.names) if k != name]
+    clocks = [k for k in clock_columns(table.names) if k != name]
     free = called or [k for k in numbers if k not in clocks]
     if not free:
         raise table.error(
@@ -168,6 +176,11 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     _check_lengths(table, found_rows, layout.name + 1)  # names may stand beyond the header
     names = [plain_text(row[layout.name]) for row in rows]
     layout = _without_counters(table, rows, layout)
+    table, faces = _one_face(table, layout, lines, names, naming)
+    if faces:
+        found_rows = list(table.rows())
+        lines, rows = [line for line, _ in found_rows], [cells for _, cells in found_rows]
+        names = [plain_text(row[layout.name]) for row in rows]
     keys: list[Key] = [tuple(table.text(row[k]) for k in layout.clocks) for row in rows]
     try:
         frames, found, entries = group(names, keys)
@@ -198,6 +211,7 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
         lost=lost,
         timecodes=_timecodes(layout, times, texts),
         carried=tuple(shown(name, LONGEST_NAME) for name in found if naming(name) is None),
+        unread=faces,
     )
     spans = _spans(table, lines, layout.value, places)
     source = partial(SpanSource, b"".join(table.lines), spans, decimal=table.decimal)
@@ -227,6 +241,19 @@ def _without_counters(table: Table, rows: Sequence[Cells], layout: LongLayout) -
         if len(set(texts)) < len(rows) and not (of_names and len(set(names)) > 1):
             kept.append(k)
     return replace(layout, clocks=tuple(kept))
+
+
+def _one_face(
+    table: Table,
+    layout: LongLayout,
+    lines: Sequence[int],
+    names: Sequence[str],
+    naming: Naming,
+) -> tuple[Table, tuple[str, ...]]:
+    """The table without the lines of other faces than the first, with a note about them."""
+    channel = next(filter(naming, names))
+    places = [line for line, name in zip(lines, names, strict=True) if name == channel]
+    return face_in_lines(table, layout.clocks, places)
 
 
 def _timecodes(

@@ -73,7 +73,7 @@ def named_face(table: Table) -> tuple[Table, tuple[str, ...]]:
     Its column is known by its name. A tracker may also number a face that it has found again; then
     no time comes twice, and the numbers do not alternate.
     """
-    clocks = time_columns(table.names)[:1]
+    clocks = clock_columns(table.names)[:1]
     for column, name in enumerate(table.names):
         is_sure = names_faces(name)
         if column in clocks or not (is_sure or letters(name) in _LIKELY):
@@ -85,6 +85,27 @@ def named_face(table: Table) -> tuple[Table, tuple[str, ...]]:
         if take_turns(labels) or (is_sure and repeats and _are_few(labels)):
             return _with_face(table, column, labels)
     return table, ()
+
+
+def face_in_lines(
+    table: Table, clocks: Sequence[int], lines: Sequence[int]
+) -> tuple[Table, tuple[str, ...]]:
+    """As `named_face` and `likely_face`, for a table with a line for each weight.
+
+    Args:
+        clocks: columns with times.
+        lines: (R) the indices of the lines of one channel. They are rows as in other tables.
+    """
+    head = table.lines[table.header]
+    rows = replace(table, header=0, lines=(head, *(table.lines[line] for line in lines)))
+    one, notes = named_face(rows)
+    if one.face is None:
+        cells = [table.cells(line) for line in lines]
+        texts = [tuple(table.text(row[k]) for k in clocks) for row in cells]
+        others = [k for k in range(len(table.names)) if k not in clocks]
+        found = TableRows(texts, np.zeros(len(lines), bool), np.empty((len(lines), 0)), [*lines])
+        one, notes = likely_face(rows, clocks, others, found)
+    return replace(table, face=one.face), notes
 
 
 def take_turns(labels: Sequence[str]) -> bool:
@@ -166,6 +187,11 @@ def _with_face(table: Table, column: int, labels: Sequence[str]) -> tuple[Table,
     name, first = shown(table.names[column]), next(filter(None, labels), "")
     note = f"has rows of {len(set(labels))} faces: those with {shown(first)} as {name} are read"
     return replace(table, face=(column, first)), (note,)
+
+
+def clock_columns(names: Sequence[str]) -> list[int]:
+    """Columns that may hold times, the most reliable first; not `face_index`, which has faces."""
+    return [k for k in time_columns(names) if not names_faces(names[k])]
 
 
 def names_faces(name: str) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -119,6 +120,81 @@ def test_frames_without_lines_and_without_numbers_are_gaps(tmp_path: Path) -> No
     take = open_take(path)
     assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(9, 1), (18, 1)]
     assert any("lost in 1 row" in note for note in take.notes)
+
+
+@pytest.mark.parametrize("rate", [None, 24])
+@pytest.mark.parametrize("first", ["_neutral", "_neutral\n{time},headYaw"])
+@pytest.mark.parametrize("clock", ["time_s", "Timecode"])
+def test_names_that_are_no_channels_may_come_first(
+    tmp_path: Path, rate: float | None, first: str, clock: str
+) -> None:
+    def line(n: int, name: str, value: float) -> str:
+        time = f"{n / 30:.4f}" if clock == "time_s" else f"10:00:{n // 30:02d}:{n % 30:02d}"
+        before = "\n".join(f"{time},{other},0.00001" for other in first.split("\n{time},"))
+        return (f"{before}\n" if name == ARKIT_CHANNELS[0] else "") + f"{time},{name},{value}"
+
+    path = tmp_path / "take.csv"
+    kept = [text for n, text in enumerate(lines(line)) if n // len(ARKIT_CHANNELS) != 10]
+    path.write_text("\n".join([f"{clock},category_name,score", *kept]) + "\n")
+    take = open_take(path, rate)
+    assert take.clip.rate == pytest.approx(rate or 30)
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(9, 1)]
+    assert len(take.carried) == 1 + first.count("\n")
+    path.write_text("\n".join(kept) + "\n")
+    with pytest.raises(FileError, match="no line with the names of its columns"):
+        open_take(path, rate)
+
+
+@pytest.mark.parametrize("rate", [None, 30])
+@pytest.mark.parametrize("first", [ARKIT_CHANNELS[0], "_neutral"])
+@pytest.mark.parametrize(
+    ("head", "labels", "by_face"),
+    [
+        ("frame,time_s,face_index", "01", False),
+        ("frame,time_s,face_index", "01", True),
+        ("face_index,frame,time_s", "01", False),
+        ("time_s,Person", ("Anna", "Bob"), False),
+        ("time_s,Person", ("Anna", "Bob"), True),
+        ("time_s,id", "79", False),
+    ],
+)
+def test_of_several_faces_the_first_is_read(
+    tmp_path: Path,
+    head: str,
+    labels: Sequence[str],
+    by_face: bool,
+    first: str,
+    rate: float | None,
+) -> None:
+    rows = []
+    for n, label in itertools.product(range(len(FACE)), labels):
+        face = FACE if label == labels[0] else FACE[::-1]
+        cells = {"frame": str(n), "time_s": f"{n / 30:.4f}"}
+        start = ",".join(cells.get(column, label) for column in head.split(","))
+        weights = dict(zip(ARKIT_CHANNELS, face[n].tolist(), strict=True))
+        if first not in weights:
+            weights = {first: 0.0, **weights}
+        rows += [(label, f"{start},{name},{value}") for name, value in weights.items()]
+    if by_face:
+        rows.sort(key=lambda row: row[0])
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    path.write_text("\n".join([f"{head},name,score", *(row for _, row in rows)]) + "\n")
+    take = open_take(path, rate)
+    assert take.clip.rate == pytest.approx(30)
+    assert np.allclose(take.clip.arkit_weights(), FACE, atol=1e-7)
+    column = next(c for c in head.split(",") if c not in ("frame", "time_s"))
+    note = f"has rows of 2 faces: those with {labels[0]} as {column} are read"
+    assert take.unread == (note,)
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
+
+
+def test_a_face_that_gets_another_number_stays_one(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    text = table("time,face_id,name,value", lambda n, name, v: f"{n / 30:.4f},{n // 20},{name},{v}")
+    path.write_text(text)
+    take = open_take(path)
+    assert (len(take.clip), take.clip.gaps, take.unread) == (len(FACE), (), ())
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,18 @@ def test_a_column_tells_the_faces_apart_by_its_name_or_its_labels(
     assert out.read_bytes() == path.read_bytes()
 
 
+@pytest.mark.parametrize("clock", ["time_s", "frame"])
+def test_the_number_of_the_face_is_no_time_where_it_stands_first(
+    tmp_path: Path, clock: str
+) -> None:
+    path = table(tmp_path / "take.csv", clock, (FIRST, SECOND), "face_index")
+    cells = [line.split(",") for line in path.read_text().splitlines()]
+    path.write_text("".join(",".join([row[1], row[0], *row[2:]]) + "\n" for row in cells))
+    take = open_take(path, 30)
+    np.testing.assert_allclose(take.clip.weights, FIRST, atol=1e-5)
+    assert take.unread == ("has rows of 2 faces: those with 0 as face_index are read",)
+
+
 @pytest.mark.parametrize("rate", ["30", "60"])
 def test_a_file_that_has_only_the_face_that_was_read_says_so(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], rate: str
