@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
+from itertools import islice
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.texts import ONE_LETTER, near_names
@@ -47,6 +48,9 @@ _REMEMBERED = 2_000  # names, what each means
 _NUMBER_WORDS = {
     *("value", "values", "weight", "weights", "score", "scores", "val", "raw", "percent", "pct"),
 }
+# What names of the numbers of a tracker say, and those of the same numbers after a filter.
+_RAW = frozenset(("raw", "unfiltered", "unsmoothed", "original", "orig"))
+_SMOOTHED = frozenset(("filtered", "filt", "smoothed", "smooth", "denoised", "stabilized"))
 _SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 
 
@@ -111,21 +115,50 @@ def naming_of(names: Iterable[str]) -> Callable[[str], str | None]:
     """What finds the channels among the names of a file.
 
     It is `canonical_channel`; if that finds none, it drops a beginning or an end that several names
-    share (`newton jawOpen`, `facs_bs_JawOpen`, `jawOpen_h`). If a channel would then have two
-    names, such as `raw_jawOpen` and `smooth_jawOpen`, it finds none.
+    share (`newton jawOpen`, `facs_bs_JawOpen`, `jawOpen_h`). Beside plain or smoothed names, such
+    as `jawOpen` or `jawOpen_filtered`, raw ones (`jawOpen_raw`) are none. If a channel would have
+    two names otherwise, such as `Anna_jawOpen` and `Bob_jawOpen`, it finds none.
     """
     names = list(dict.fromkeys(names))
-    if any(map(canonical_channel, names)):
-        return canonical_channel
+    known = {name: channel for name in names if (channel := canonical_channel(name))}
+    plain = {name: channel for name, channel in known.items() if not _is_one_of(_RAW, name)}
+    if plain:
+        again = {name for name in known.keys() - plain.keys() if known[name] in plain.values()}
+        return partial(_canonical_unless, again) if again else canonical_channel
+    found = versions_of(names)
+    owners = {name: channel for by in found.values() for name, channel in by.items()}
+    several = len(set(owners.values())) < len(owners)
+    if owners and not several and not known:
+        return owners.get
+    smoothed = [by for affixes, by in found.items() if _is_one_of(_SMOOTHED, *affixes)]
+    raw = [by for affixes, by in found.items() if _is_one_of(_RAW, *affixes) or not any(affixes)]
+    if len(smoothed) == len(raw) == 1 and set(raw[0].values()) <= set(smoothed[0].values()):
+        return smoothed[0].get
+    return canonical_channel
+
+
+def _canonical_unless(others: Collection[str], name: str) -> str | None:
+    """As `canonical_channel`; None for some other names."""
+    return None if name in others else canonical_channel(name)
+
+
+def versions_of(names: Iterable[str]) -> dict[tuple[str, str], dict[str, str]]:
+    """The channels that names mean without the beginning and the end that several of them share.
+
+    Returns:
+        By beginning and end, the channel of each name that has them; without either, those of
+        `canonical_channel`.
+    """
     found: dict[tuple[str, str], dict[str, str]] = {}
-    for name in names[:_MOST_NAMES]:
+    for name in islice(dict.fromkeys(names), _MOST_NAMES):
         for affixes, channel in _without_affixes(name):
             found.setdefault(affixes, {})[name] = channel
-    shared = [by for by in found.values() if len(set(by.values())) >= _SHARED]
-    owners = {name: channel for by in shared for name, channel in by.items()}
-    if not owners or len(set(owners.values())) < len(owners):
-        return canonical_channel
-    return owners.get
+    return {affixes: by for affixes, by in found.items() if len(set(by.values())) >= _SHARED}
+
+
+def _is_one_of(words: frozenset[str], *texts: str) -> bool:
+    """Whether a word of some texts is one of these."""
+    return any(not words.isdisjoint(map(str.lower, _BETWEEN.split(text))) for text in texts)
 
 
 def _without_affixes(name: str) -> Iterator[tuple[tuple[str, str], str]]:

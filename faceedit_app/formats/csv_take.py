@@ -14,7 +14,7 @@ from faceedit_app.core.arkit import ROTATION_INDEX
 from faceedit_app.core.arrays import Floats, Times
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.names import canonical_channel, naming_of
+from faceedit_app.core.names import naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
 from faceedit_app.formats.csv_table import (
     Table,
@@ -34,6 +34,7 @@ from faceedit_app.formats.lost_faces import (
     is_count,
     letters,
 )
+from faceedit_app.formats.name_notes import own_name_notes
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.rotations import Turned, found_rotations, read_rotations
@@ -211,9 +212,10 @@ def csv_take(
         told=_told(table, places, rows, times),
         timecodes=_timecodes(places, rows, times),
         carried=tuple(shown(name, LONGEST_NAME) or "(unnamed)" for name in carried.values()),
+        own=tuple(table.names[k] for k in columns.indices),
         unread=faces,
         notes=(
-            *(_name_notes(table, found) if naming is None else ()),
+            *(() if naming else own_name_notes(table.names[found.indices[0]], found.channels[0])),
             *_empty_notes(found, columns),
             *_nameless_notes(table, rows, [k for k, name in carried.items() if not name]),
             *scale_notes,
@@ -358,13 +360,6 @@ def _confidence(places: _Places, rows: TableRows) -> Floats | None:
     except ValueError:
         return None
     return confidence_of(found)
-
-
-def _name_notes(table: Table, found: Columns) -> tuple[str, ...]:
-    name = table.names[found.indices[0]]
-    if canonical_channel(name):
-        return ()
-    return (f'"{shown(name)}" and the like are read as {found.channels[0]} and so on',)
 
 
 def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:

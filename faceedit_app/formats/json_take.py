@@ -114,6 +114,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
             ),
             *(() if sure_places is None else (CONFIDENCE,)),
         ),
+        own=tuple(str(frames.names[columns[channel]]) for channel in channels),
         notes=(*frames.notes, *found.notes),
         unread=frames.unread,
         rotations=found.rotations,

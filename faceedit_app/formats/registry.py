@@ -6,7 +6,7 @@ the README all use it. To add a format, add a module with `sniff` and `read`, an
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.arrays import Indices
 from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.names import similar_channel
+from faceedit_app.core.names import similar_channel, versions_of
 from faceedit_app.formats import (
     audio2face,
     azure_speech,
@@ -169,11 +169,25 @@ def recognise(path: Path, content: bytes) -> Format:
     line = 1 + next(
         k for k, text in enumerate(content.removeprefix(BOM).splitlines()) if text.strip()
     )
-    for name in first_rows(content)[0]:
+    names = first_rows(content)[0]
+    if several := _names_of_one(names):
+        listed = " and ".join(f'"{shown(name)}"' for name in several[:2])
+        problem = f"holds no ARKit channel, but {len(several)} columns for each: {listed}"
+        raise FileError(path, problem, "keep the columns of one person, or of one kind", line)
+    for name in names:
         if meant := similar_channel(name, ARKIT_CHANNELS):
             problem = f'holds no ARKit channel, but "{shown(name)}"'
             raise FileError(path, problem, f"if {meant} is meant, correct the name", line)
     raise NotTake(path, "holds no ARKit channel such as jawOpen", CHOOSE_TAKE, line)
+
+
+def _names_of_one(names: Sequence[str]) -> list[str]:
+    """The names of a channel that has several, such as one for each person; none if none has."""
+    owners: dict[str, list[str]] = {}
+    for by in versions_of(names).values():
+        for name, channel in by.items():
+            owners.setdefault(channel, []).append(name)
+    return next((found for found in owners.values() if len(found) > 1), [])
 
 
 def check_start(path: Path) -> None:

@@ -9,16 +9,15 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from faceedit_app.core.arkit import ARKIT_CHANNELS, ROTATIONS
+from faceedit_app.core.arkit import ROTATIONS
 from faceedit_app.core.arrays import Bools, Doubles, Floats, Indices, Times
 from faceedit_app.core.clip import UNSURE, Clip
 from faceedit_app.core.errors import FileError
-from faceedit_app.core.names import canonical_channel, similar_channel
 from faceedit_app.formats.changing_rates import stretches
 from faceedit_app.formats.faceless import Faceless, find_faceless
-from faceedit_app.formats.files import shown
 from faceedit_app.formats.gaps import find_gaps, gap_notes, lost_notes
 from faceedit_app.formats.lost_faces import blank_notes
+from faceedit_app.formats.name_notes import misspelled_notes, version_notes
 from faceedit_app.formats.rates import sure_notes
 from faceedit_app.formats.timing import (
     NoTimes,
@@ -37,7 +36,6 @@ from faceedit_app.formats.weights import (
     scale_of,
 )
 
-_MOST_NAMES = 200  # that are compared with those of channels
 _RESOLUTION = 1e-3  # seconds
 _MOST_SHOWN = 4  # rates in a note
 _LONGEST = 24 * 3600.0  # seconds
@@ -224,6 +222,7 @@ class Recording:
         lost: (R,) which rows of the file have no frame.
         timecodes: as `Clip.timecodes`.
         carried: as `Take.carried`.
+        own: the file's own names of the channels, if they may be others.
         notes: the format's own notes.
         unread: as `Take.unread`.
         rotations, rotation_names, confidence: as in `Clip`.
@@ -239,6 +238,7 @@ class Recording:
     lost: Bools
     timecodes: tuple[str, ...] | None = None
     carried: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     rotations: Floats | None = None
@@ -303,7 +303,8 @@ def finish_take(
         *scale_notes(scale),
         *mixed_notes(values, scale, recording.channels),
         *odd_notes(values, scale, recording.channels, place),
-        *_misspelled_notes(recording),
+        *misspelled_notes(recording.channels, recording.carried),
+        *version_notes(recording.channels, recording.own, recording.carried),
         *_unsure_notes(recording.confidence),
     )
     lead = float(np.argmin(recording.lost)) / timing.rate if len(recording.lost) else 0.0
@@ -343,19 +344,6 @@ def _unsure_notes(confidence: Floats | None) -> tuple[str, ...]:
     if not count:
         return ()
     return (f"the tracker was less than {100 * UNSURE:.0f} % sure of {counted(count, 'frame')}",)
-
-
-def _misspelled_notes(recording: Recording) -> tuple[str, ...]:
-    """The note about columns whose names resemble those of channels that the file lacks."""
-    missing = [name for name in ARKIT_CHANNELS if name not in recording.channels]
-    others = [name for name in recording.carried if canonical_channel(name) is None]
-    found = ((name, similar_channel(name, missing)) for name in others[:_MOST_NAMES])
-    likely = [f'"{shown(name)}" ({meant})' for name, meant in found if meant is not None]
-    if not likely:
-        return ()
-    more = f" and {len(likely) - 3} more" if len(likely) > 3 else ""
-    listed = ", ".join(likely[:3])
-    return (f"carried, although a channel may be meant: {listed}{more}",)
 
 
 def _timing(recording: Recording, fps: float | None) -> Timing:

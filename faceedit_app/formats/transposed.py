@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from faceedit_app.core.arrays import Doubles
-from faceedit_app.core.names import naming_of
+from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.csv_source import bare
 from faceedit_app.formats.csv_table import Table, plain_text, read_table, split_line
 from faceedit_app.formats.files import BOM, LONGEST_NAME, REPAIR, shown
@@ -89,6 +89,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         timing=settled(timing, rate_in_lines(before), kept),
         lost=lost,
         carried=tuple(shown(name, LONGEST_NAME) for name in others if name),
+        own=tuple(names[line] for line in places.values()),
     )
     source = partial(SpanSource, b"".join(table.lines), spans, decimal=table.decimal)
     lines = list(places.values())
@@ -154,7 +155,9 @@ def _clock(table: Table, names: dict[int, str], places: dict[str, int]) -> int |
     first = min(names)
     cells = table.cells(first)[1:]
     numbers = sum(1 for cell in cells if is_number(table.text(cell)))
-    return first if first in others and numbers == len(cells) else None
+    if first not in others or canonical_channel(names[first]):  # a channel that is carried
+        return None
+    return first if numbers == len(cells) else None
 
 
 def _timing(

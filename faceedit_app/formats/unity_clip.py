@@ -99,6 +99,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         timing=time_keys(path, np.array(longest.times), "sort the keys by time"),
         lost=np.zeros(len(values), bool),
         carried=tuple(shown(name, LONGEST_NAME) for name in sorted(others)),
+        own=tuple(curve.name for curve in first),
         notes=(*_still_notes(still), _SLOPES),
         unread=unread,
         scale=PERCENT if np.abs(values).max() > 1 else None,
