@@ -34,12 +34,18 @@ from faceedit_app.formats.lost_faces import (
     is_count,
     letters,
 )
-from faceedit_app.formats.name_notes import own_name_notes
+from faceedit_app.formats.name_notes import empty_notes, nameless_notes, own_name_notes
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
 from faceedit_app.formats.rotations import Turned, found_rotations, read_rotations
-from faceedit_app.formats.several_faces import clock_columns, likely_face, named_face
+from faceedit_app.formats.several_faces import (
+    check_each_once,
+    clock_columns,
+    likely_face,
+    named_face,
+)
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
+from faceedit_app.formats.table_ends import percent_before, without_nameless_end
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, counts_steps, read_times
 from faceedit_app.formats.timecode import is_timecode
@@ -182,6 +188,7 @@ def csv_take(
         RateNeeded: its times are unusable, and `fps` is None.
         FileError: it has no channels, or is damaged.
     """
+    table = without_nameless_end(table)
     found = find_channels(table, naming or naming_of(table.names))
     table, faces = named_face(table)
     places = _Places.of(table, found)
@@ -216,8 +223,8 @@ def csv_take(
         unread=faces,
         notes=(
             *(() if naming else own_name_notes(table.names[found.indices[0]], found.channels[0])),
-            *_empty_notes(found, columns),
-            *_nameless_notes(table, rows, [k for k, name in carried.items() if not name]),
+            *empty_notes(found.channels, columns.channels),
+            *nameless_notes(table, rows, [k for k, name in carried.items() if not name]),
             *scale_notes,
             *turned.notes,
             *_count_notes(table, places, rows),
@@ -279,6 +286,9 @@ def _times(table: Table, places: _Places, rows: TableRows) -> RowTimes:
         return RowTimes(NoTimes("has no row with a tracked face"))
     cells = [places.cells(rows, column) for column in places.clocks]
     found = read_times(table, places.clocks, cells, rows.lines)
+    if isinstance(found.timing, NoTimes):
+        for moments in cells:
+            check_each_once(table, moments, rows)
     if places.first is None or not isinstance(found.timing, NoTimes) or found.kind == "frames":
         return found
     return _guessed_times(table, places.first, places.cells(rows, places.first), rows) or found
@@ -313,11 +323,13 @@ def _scale(table: Table, columns: Columns, rows: TableRows) -> tuple[float | Non
     """The value of a full blendshape if the file says it, and a note if it cannot be right."""
     if table.percent:
         return PERCENT, ()
-    if not _says_percent(table, columns, rows):
+    commented = percent_before(table)
+    if not commented and not _says_percent(table, columns, rows):
         return None, ()
     if np.nanmax(np.abs(rows.numbers), initial=0.0) > 1:
         return PERCENT, ()
-    return None, ("the names say percent, but the weights run from 0 to 1: read as such",)
+    said = "a line before the header says" if commented else "the names say"
+    return None, (f"{said} percent, but the weights run from 0 to 1: read as such",)
 
 
 def _timecodes(places: _Places, rows: TableRows, times: RowTimes) -> tuple[str, ...] | None:
@@ -360,22 +372,6 @@ def _confidence(places: _Places, rows: TableRows) -> Floats | None:
     except ValueError:
         return None
     return confidence_of(found)
-
-
-def _empty_notes(found: Columns, filled: Columns) -> tuple[str, ...]:
-    empty = [channel for channel in found.channels if channel not in filled.channels]
-    if not empty or not filled.channels:
-        return ()
-    return (f"no row has a number for {', '.join(empty)}: carried",)
-
-
-def _nameless_notes(table: Table, rows: TableRows, columns: list[int]) -> tuple[str, ...]:
-    """The note about columns of numbers without a name; one alone may be the number of the row."""
-    first = table.cells(rows.lines[0]) if rows.lines else []
-    filled = [k for k in columns if k < len(first) and is_number(table.text(first[k]))]
-    if len(filled) < 2:
-        return ()
-    return (f"{len(filled)} columns of numbers have no name: carried",)
 
 
 def _count_notes(table: Table, places: _Places, rows: TableRows) -> tuple[str, ...]:

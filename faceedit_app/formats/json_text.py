@@ -176,14 +176,14 @@ def _without_quotes(content: bytes) -> bytes:
 
 
 def _documents(decoder: json.JSONDecoder, text: str) -> Any:
-    """The document of a text, or a list of them if it has one per line (JSON Lines)."""
+    """The document of a text, or a list of them if it has several, as JSON Lines has."""
     found: list[Any] = []
     place = _after_space(text, 0)
     while place < len(text) or not found:
         document, end = decoder.raw_decode(text, place)
         found.append(document)
         place = _after_space(text, end)
-        if place < len(text) and "\n" not in text[end:place]:
+        if place < len(text) and "\n" not in text[end:place] and text[place] not in "{[":
             raise json.JSONDecodeError("Extra data", text, place)
     return found if len(found) > 1 else found[0]
 

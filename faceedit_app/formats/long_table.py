@@ -33,9 +33,11 @@ from faceedit_app.formats.number_spans import SpanSource
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.several_faces import clock_columns, face_in_lines
 from faceedit_app.formats.stated_rate import rate_in_table, settled
+from faceedit_app.formats.table_ends import percent_before, without_nameless_end
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import RowTimes, read_times
 from faceedit_app.formats.timing import NoTimes
+from faceedit_app.formats.weights import PERCENT
 
 FORMAT = "CSV with a line for each weight"
 _HEAD = 1 << 16
@@ -135,7 +137,7 @@ def _with_header(table: Table) -> Table:
         what = "has a line for each weight, and no line with the names of its columns"
         raise table.error(what, 'write one at the top, such as "time,channel,value"', 0)
     names = tuple(map(plain_text, rows[first - 1]))
-    return replace(table, header=first - 1, names=names, delimiter=delimiter)
+    return without_nameless_end(replace(table, header=first - 1, names=names, delimiter=delimiter))
 
 
 def _layout(table: Table, rows: Sequence[Cells], naming: Naming) -> LongLayout:
@@ -212,6 +214,7 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
         timecodes=_timecodes(layout, times, texts),
         carried=tuple(shown(name, LONGEST_NAME) for name in found if naming(name) is None),
         unread=faces,
+        scale=PERCENT if percent_before(table) and np.abs(values).max(initial=0.0) > 1 else None,
     )
     spans = _spans(table, lines, layout.value, places)
     source = partial(SpanSource, b"".join(table.lines), spans, decimal=table.decimal)

@@ -46,6 +46,7 @@ _FEWEST_NUMBERS = 3  # of a row that such numbers mark as lost
 _FACE = 8  # channels of a row that are not all 0 by chance
 _ABRUPT = 0.05  # full blendshapes by which a frame beside such a row differs
 _REMEMBERED = 1_000  # names, without case and separators
+_WORD = re.compile(r"[^\W\d_]{3}")
 _TIME_UNIT = re.compile(r"[\[(]?(?:s|secs?|seconds?|ms|msecs?|milliseconds?|frames?)[\])]?", re.I)
 
 
@@ -136,15 +137,25 @@ def count_without_footer(texts: Sequence[Sequence[str]], lost: Bools) -> int:
     """How many of R rows are left without those at the end that are no rows, such as `END`.
 
     Args:
-        texts: (R) the texts of a row in some columns; its time, if it were a row, has a digit.
+        texts: (R) the texts of a row in some columns; its time, if it were a row, has a digit, and
+            no words that the times of other rows lack.
         lost: (R,) which rows have no frame.
     """
     count = len(lost)
+    usual = texts[int(np.argmin(lost))] if count else ()
     while count and lost[count - 1] and any(texts[count - 1]):
-        if any(letter.isdigit() for text in texts[count - 1] for letter in text):
+        digits = any(letter.isdigit() for text in texts[count - 1] for letter in text)
+        if digits and not any(map(_says_more, texts[count - 1], usual)):
             break
         count -= 1
     return count
+
+
+def _says_more(text: str, usual: str) -> bool:
+    """Whether a text has words, such as `Total frames: 75`, in place of one such as `2.96`."""
+    if is_missing(text) or letters(text) in _LOST_WORDS or text.lower() in (*_NO, *_YES):
+        return False
+    return bool(_WORD.search(text)) and not _WORD.search(usual)
 
 
 def blank_notes(weights: Floats) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Remarks about the names of channels in a file."""
+"""Remarks about the names of channels in a file, and about columns without a name or a number."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from faceedit_app.core.arkit import ARKIT_CHANNELS
 from faceedit_app.core.names import canonical_channel, similar_channel, versions_of
+from faceedit_app.formats.csv_table import Table, TableRows
 from faceedit_app.formats.files import shown
+from faceedit_app.formats.numbers import is_number
 
 _MOST_NAMES = 200  # that are compared with those of missing channels
 
@@ -16,6 +18,32 @@ def own_name_notes(name: str, channel: str) -> tuple[str, ...]:
     if canonical_channel(name):
         return ()
     return (f'"{shown(name)}" and the like are read as {channel} and so on',)
+
+
+def empty_notes(found: Sequence[str], filled: Sequence[str]) -> tuple[str, ...]:
+    """The note about channels without a number in any row.
+
+    Args:
+        found: all channels.
+        filled: those that have numbers.
+    """
+    empty = [channel for channel in found if channel not in filled]
+    if not empty or not filled:
+        return ()
+    return (f"no row has a number for {', '.join(empty)}: carried",)
+
+
+def nameless_notes(table: Table, rows: TableRows, columns: Sequence[int]) -> tuple[str, ...]:
+    """The note about columns of numbers without a name; one alone may be the number of the row.
+
+    Args:
+        columns: those without a name.
+    """
+    first = table.cells(rows.lines[0]) if rows.lines else []
+    filled = [k for k in columns if k < len(first) and is_number(table.text(first[k]))]
+    if len(filled) < 2:
+        return ()
+    return (f"{len(filled)} columns of numbers have no name: carried",)
 
 
 def misspelled_notes(channels: Sequence[str], carried: Sequence[str]) -> tuple[str, ...]:

@@ -108,6 +108,23 @@ def face_in_lines(
     return replace(table, face=one.face), notes
 
 
+def check_each_once(table: Table, moments: Sequence[str], rows: TableRows) -> None:
+    """Refuse a table that has each row several times, with the same time and the same weights.
+
+    Args:
+        moments: (T) the times of the frames.
+    """
+    values, repeats = rows.numbers, [one == other for one, other in pairwise(moments)]
+    starts = np.flatnonzero([True, *(not same for same in repeats)])
+    sizes = np.diff(np.append(starts, len(moments)))
+    if len(starts) < _FEWEST or sizes[0] < 2 or np.ptp(sizes) or not np.ptp(values, axis=0).any():
+        return
+    if np.array_equal(values, values[np.repeat(starts, sizes)], equal_nan=True):
+        often = "twice" if sizes[0] == 2 else f"{sizes[0]} times"
+        problem = f"has each row {often}, with the same time and weights"
+        raise table.error(problem, "keep one of each", rows.lines[1])
+
+
 def take_turns(labels: Sequence[str]) -> bool:
     """Whether a few labels alternate from row to row."""
     changes = sum(one != other for one, other in pairwise(labels))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -21,6 +22,14 @@ _PERMILLE_NOTE = "the weights run from 0 to 1000: read as such, and written as s
 _BEYOND_PERCENT = 150.0  # whole numbers that go this far are bytes
 _BEYOND_BYTES = 300.0  # numbers of which some share goes this far are thousandths
 _SHARE = 0.01
+_WEIGHTS = r"(?:weights?|values?|blend ?shapes?|coefficients?|scores?)"
+_TO = r"\s*(?:-|–|\.\.|to)\s*"
+_HUNDRED = rf"(?:percent|\bpct\b|(?<![\d.])%|\b0(?:\.0)?{_TO}100\b)"
+_IN_PERCENT = re.compile(
+    rf"\b{_WEIGHTS}\b(?:(?!frame)[^,;]){{0,30}}?{_HUNDRED}|{_HUNDRED}[^,;]{{0,10}}?\b{_WEIGHTS}\b",
+    re.IGNORECASE,
+)
+_NOT_PERCENT = re.compile(rf"\bnot\b|\b0(?:\.0)?{_TO}1(?:\.0)?\b", re.IGNORECASE)
 _LONG_ENOUGH = 10  # frames that show how far a channel goes
 _MOVING = 0.1  # the largest number of a channel that moves, if it runs from 0 to 1
 _MOST = 0.5  # share of its numbers that are not whole
@@ -49,6 +58,11 @@ def _stay_large(values: NDArray[Any]) -> bool:
         return False
     large = np.abs(values) > LARGEST
     return bool((large.sum(axis=0) >= _LONG_ENOUGH).sum() >= 2)
+
+
+def says_percent(text: str) -> bool:
+    """Whether a line of text says that weights are percent: `# weights in percent (0-100)`."""
+    return _IN_PERCENT.search(text) is not None and _NOT_PERCENT.search(text) is None
 
 
 def scale_notes(scale: float) -> tuple[str, ...]:

@@ -122,6 +122,22 @@ def test_frames_of_a_second_face_are_mentioned(tmp_path: Path) -> None:
     assert "holds the frames of 2 faces or takes: the first are read" in open_take(path).notes
 
 
+@pytest.mark.parametrize("between", ["", " ", "\n"])
+def test_objects_one_after_the_other_are_frames(tmp_path: Path, between: str) -> None:
+    path, out = tmp_path / "take.json", tmp_path / "out.json"
+    frames = [
+        json.dumps({"time": n / 30, "jawOpen": n / 50, "eyeBlinkLeft": 0.1}) for n in range(9)
+    ]
+    path.write_text(between.join(frames))
+    take = open_take(path)
+    assert (len(take.clip), take.clip.rate, take.notes) == (9, 30, ())
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
+    path.write_text(between.join(frames) + " 7")
+    with pytest.raises(FileError):
+        open_take(path)
+
+
 def test_a_rate_that_a_text_mentions_is_proposed(tmp_path: Path) -> None:
     path = tmp_path / "take.json"
     path.write_text(json.dumps({"info": "fps: 25", "frames": FRAMES}))
