@@ -171,17 +171,15 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     Raises:
         RateNeeded, FileError: as for `read`.
     """
-    found_rows = list(table.rows())
-    lines, rows = [line for line, _ in found_rows], [cells for _, cells in found_rows]
-    _check_lengths(table, found_rows, len(table.names))
+    lines, rows = _lines_and_rows(table)
+    _check_lengths(table, lines, rows, len(table.names))
     layout = _layout(table, rows[:_SAMPLE], naming)
-    _check_lengths(table, found_rows, layout.name + 1)  # names may stand beyond the header
+    _check_lengths(table, lines, rows, layout.name + 1)  # names may stand beyond the header
     names = [plain_text(row[layout.name]) for row in rows]
     layout = _without_counters(table, rows, layout)
     table, faces = _one_face(table, layout, lines, names, naming)
     if faces:
-        found_rows = list(table.rows())
-        lines, rows = [line for line, _ in found_rows], [cells for _, cells in found_rows]
+        lines, rows = _lines_and_rows(table)
         names = [plain_text(row[layout.name]) for row in rows]
     keys: list[Key] = [tuple(table.text(row[k]) for k in layout.clocks) for row in rows]
     try:
@@ -201,8 +199,13 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     kept = np.flatnonzero(~lost)
     places = places[kept]
     first = [lines[int(n)] for n in places.min(axis=1)] if len(kept) else []
-    texts = [[frames[t][k] for t in kept] if any(keys) else [] for k in range(len(layout.clocks))]
-    times = read_times(table, layout.clocks if any(keys) else (), texts, first)
+    if any(keys):
+        clocks, titles = layout.clocks, table
+        texts = [[frames[t][k] for t in kept] for k in range(len(clocks))]
+    else:
+        clocks, titles = _named_times(found, entries[kept]), replace(table, names=tuple(found))
+        texts = [[table.text(rows[n][layout.value]) for n in entries[kept, k]] for k in clocks]
+    times = read_times(titles, clocks, texts, first)
     stated = rate_in_table(table, lambda column: [table.text(row[column]) for row in rows])
     recording = Recording(
         path=table.path,
@@ -211,7 +214,7 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
         values=values[kept],
         timing=settled(times.timing, stated, kept) if len(kept) else NoTimes("has no frames"),
         lost=lost,
-        timecodes=_timecodes(layout, times, texts),
+        timecodes=_timecodes(clocks, times, texts),
         carried=tuple(shown(name, LONGEST_NAME) for name in found if naming(name) is None),
         unread=faces,
         scale=PERCENT if percent_before(table) and np.abs(values).max(initial=0.0) > 1 else None,
@@ -226,9 +229,15 @@ def long_take(table: Table, fps: float | None, naming: Naming = canonical_channe
     )
 
 
-def _check_lengths(table: Table, rows: Sequence[tuple[int, Cells]], cells: int) -> None:
-    """Refuse a row with fewer cells, each row with its line."""
-    for line, row in rows:
+def _lines_and_rows(table: Table) -> tuple[list[int], list[Cells]]:
+    """The indices of the lines of the rows, and their cells."""
+    found = list(table.rows())
+    return [line for line, _ in found], [cells for _, cells in found]
+
+
+def _check_lengths(table: Table, lines: Sequence[int], rows: Sequence[Cells], cells: int) -> None:
+    """Refuse a row with fewer cells."""
+    for line, row in zip(lines, rows, strict=True):
         if len(row) < cells:
             what = f"the row is too short: {len(row)} of {cells} cells"
             raise table.error(what, "delete this line or copy the file again", line)
@@ -259,12 +268,21 @@ def _one_face(
     return face_in_lines(table, layout.clocks, places)
 
 
+def _named_times(names: Sequence[str], entries: NDArray[np.int64]) -> tuple[int, ...]:
+    """Those of K names that stand for times, as where a table was made long with all its columns.
+
+    Args:
+        entries: (T, K) the entry of each name in each frame; -1 if the frame does not have it.
+    """
+    return tuple(k for k in clock_columns(names) if (entries[:, k] >= 0).all())
+
+
 def _timecodes(
-    layout: LongLayout, times: RowTimes, texts: Sequence[Sequence[str]]
+    clocks: Sequence[int], times: RowTimes, texts: Sequence[Sequence[str]]
 ) -> tuple[str, ...] | None:
     if times.kind != "timecode" or times.column is None:
         return None
-    return tuple(texts[layout.clocks.index(times.column)])
+    return tuple(texts[clocks.index(times.column)])
 
 
 def _columns(table: Table, names: Sequence[str], naming: Naming) -> dict[str, int]:

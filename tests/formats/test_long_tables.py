@@ -145,6 +145,25 @@ def test_names_that_are_no_channels_may_come_first(
         open_take(path, rate)
 
 
+@pytest.mark.parametrize("rate", [None, 24])
+@pytest.mark.parametrize("by_frame", [False, True])
+def test_times_may_stand_among_the_weights_by_their_name(
+    tmp_path: Path, rate: float | None, by_frame: bool
+) -> None:
+    path, out = tmp_path / "take.csv", tmp_path / "out.csv"
+    frames = [n for n in range(len(FACE)) if n != 10]
+    rows = [(n, f"time,{n / 30:.4f}") for n in frames]
+    rows += [(n, f"{c},{FACE[n, k]}") for k, c in enumerate(ARKIT_CHANNELS) for n in frames]
+    if by_frame:
+        rows.sort(key=lambda row: row[0])
+    path.write_text("\n".join(["variable,value", *(row for _, row in rows)]) + "\n")
+    take = open_take(path, rate)
+    assert take.clip.rate == pytest.approx(rate or 30)
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(9, 1)]
+    write_take(out, take, take.clip.weights)
+    assert out.read_bytes() == path.read_bytes()
+
+
 @pytest.mark.parametrize("rate", [None, 30])
 @pytest.mark.parametrize("first", [ARKIT_CHANNELS[0], "_neutral"])
 @pytest.mark.parametrize(
