@@ -47,7 +47,7 @@ def nameless_notes(table: Table, rows: TableRows, columns: Sequence[int]) -> tup
 
 
 def misspelled_notes(channels: Sequence[str], carried: Sequence[str]) -> tuple[str, ...]:
-    """The note about columns whose names resemble those of channels that the file lacks.
+    """The note about columns whose names resemble or extend those of channels that are missing.
 
     Args:
         channels: (K) that are read.
@@ -55,7 +55,11 @@ def misspelled_notes(channels: Sequence[str], carried: Sequence[str]) -> tuple[s
     """
     missing = [name for name in ARKIT_CHANNELS if name not in channels]
     others = [name for name in carried if canonical_channel(name) is None]
-    found = ((name, similar_channel(name, missing)) for name in others[:_MOST_NAMES])
+    longer = {name: one for by in versions_of(others).values() for name, one in by.items()}
+    found = (
+        (name, longer[name] if longer.get(name) in missing else similar_channel(name, missing))
+        for name in others[:_MOST_NAMES]
+    )
     likely = [f'"{shown(name)}" ({meant})' for name, meant in found if meant is not None]
     if not likely:
         return ()

@@ -91,3 +91,13 @@ def test_columns_of_several_people_or_kinds_are_refused_by_their_names(
     one, other = (affix.format(NAMES[0]) for affix in affixes[:2])
     assert f'but {len(affixes)} columns for each: "{one}" and "{other}"' in str(refused.value)
     assert refused.value.remedy == "keep the columns of one person, or of one kind"
+
+
+def test_longer_names_of_channels_that_are_missing_are_in_the_remarks(tmp_path: Path) -> None:
+    path = table(tmp_path / "take.csv", ["{}_L"], by_channel=False)
+    lines = path.read_text().splitlines()
+    lines = [f"{lines[0]},jawOpen", *(f"{line},0.1" for line in lines[1:])]
+    path.write_text("\n".join(lines) + "\n")
+    (note,) = (note for note in open_take(path).notes if note.startswith("carried, although"))
+    assert f'"{NAMES[0]}_L" ({NAMES[0]})' in note
+    assert note.endswith("and 3 more")
