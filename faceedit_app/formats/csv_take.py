@@ -47,7 +47,8 @@ from faceedit_app.formats.several_faces import (
 from faceedit_app.formats.stated_rate import rate_column, rate_in_table, settled
 from faceedit_app.formats.table_ends import percent_before, without_nameless_end
 from faceedit_app.formats.take import LostRows, Recording, Take, finish_take
-from faceedit_app.formats.time_columns import RowTimes, counts_steps, read_times
+from faceedit_app.formats.time_columns import RowTimes, read_times
+from faceedit_app.formats.time_names import counts_steps
 from faceedit_app.formats.timecode import is_timecode
 from faceedit_app.formats.timecode_readings import OWN_BASE_NOTES
 from faceedit_app.formats.timing import NoTimes, of_pictures

@@ -34,8 +34,8 @@ from faceedit_app.formats.glb_tracks import (
     shape_channels,
     tracks_of,
 )
+from faceedit_app.formats.key_times import time_keys
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.timing import time_keys
 
 FORMAT = "GLB animation"
 _DAMAGE = (KeyError, IndexError, TypeError, ValueError, AttributeError, struct.error)

@@ -19,8 +19,10 @@ from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Pl
 from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
 from faceedit_app.formats.rotations import found_rotations, read_rotations
 from faceedit_app.formats.several_faces import faces_in
+from faceedit_app.formats.stated_rate import by_frame_numbers
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.time_columns import number_times, text_times
+from faceedit_app.formats.time_columns import text_times
+from faceedit_app.formats.time_numbers import number_times
 from faceedit_app.formats.timecode import BadTimecode
 from faceedit_app.formats.timing import (
     DEFAULT_RATE,
@@ -29,6 +31,7 @@ from faceedit_app.formats.timing import (
     BadRow,
     NoTimes,
     Timing,
+    format_rate,
     single_row,
 )
 
@@ -199,9 +202,13 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
             return text_times(dates)
     except NoTimes as none:
         if frames.rate is None:
-            return NoTimes(none.problem, likely_rate(text, none.rate), none.numbers)
+            likely = likely_rate(text, none.rate)
+            return NoTimes(none.problem, likely, none.numbers, none.step)
         if none.numbers is not None and SLOWEST <= frames.rate <= FASTEST:
-            return none.timing_at(frames.rate, kept)
+            if none.step == 1:
+                return none.timing_at(frames.rate, kept)
+            says = f"the file says {format_rate(frames.rate)}"
+            return by_frame_numbers(none, frames.rate, says, kept)
     except BadTimecode as bad:
         raise text.error(f'holds "{shown(bad.text)}" in place of a time') from None
     except BadRow as bad:

@@ -13,7 +13,7 @@ from faceedit_app.core.arrays import Indices
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.rates import SET_RATE, exact_rate, nominal_rate
-from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, format_rate
+from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, format_rate, shown_step
 
 _KINDS = "video|capture|source|camera|export|record(?:ing)?|nominal|avg|r|film|clip|anim(?:ation)?"
 _NAME = re.compile(
@@ -51,6 +51,12 @@ class Stated:
     rate: float
     text: str
     is_sure: bool = True
+
+    @property
+    def says(self) -> str:
+        """The text with the rate, also of a column, whose text is only its name."""
+        has_rate = re.search(r"\d", self.text)
+        return self.text if has_rate else f"{self.text}: {self.rate:g}"
 
 
 def names_rate(name: str) -> bool:
@@ -139,17 +145,41 @@ def settled(
             return timing
         if counts_frames and abs(timing.rate / stated.rate / _BROADCAST - 1.0) < 1e-4:
             return Timing(timing.times * _BROADCAST, stated.rate, timing.notes)
-        says = stated.text
-        if not re.search(r"\d", says):  # a column's name
-            says = f"{says}: {stated.rate:g}"
-        note = f'{format_rate(timing.rate)} by its times, although the file says "{says}"'
+        note = f'{format_rate(timing.rate)} by its times, although the file says "{stated.says}"'
         note += f"; if the file is right, set that: {SET_RATE}"
         return Timing(timing.times, timing.rate, (*timing.notes, note))
     if not stated.is_sure:
-        return NoTimes(timing.problem, stated.rate, timing.numbers)
+        return NoTimes(timing.problem, stated.rate / timing.step, timing.numbers, timing.step)
+    if timing.step != 1:
+        return by_frame_numbers(timing, stated.rate, f'the file says "{stated.says}"', rows)
     found = timing.timing_at(stated.rate, rows)
     note = f'{format_rate(stated.rate)}, because the file says "{stated.text}"'
     return Timing(found.times, found.rate, (*found.notes, note))
+
+
+def by_frame_numbers(numbers: NoTimes, rate: float, says: str, rows: Indices) -> Timing | NoTimes:
+    """The timing of rows of which each is some frames after the one before.
+
+    A rate that stands beside such numbers is that of the film whose frames they are.
+
+    Args:
+        numbers: those of the frames, `step` of them from row to row.
+        rate: of the frames.
+        says: where it is from, for the note.
+        rows: (T,) the rows of the frames in the file.
+    """
+    slower, by = (
+        rate / numbers.step,
+        f"{says} and its frame numbers step by {shown_step(numbers.step)}",
+    )
+    if slower < SLOWEST:
+        problem = f"has a row in {1 / slower:.3g} s, because {by}"
+        return NoTimes(problem, numbers.rate, numbers.numbers, numbers.step)
+    found = numbers.timing_at(slower, rows)
+    if numbers.step != round(numbers.step):  # the mean of steps that differ
+        slower = nominal_rate(slower, 1 / (found.times[-1] * rate)) or slower
+    note = f"{format_rate(slower)}, because {by}; if its rows have the rate that it says"
+    return Timing(found.times, slower, (*found.notes[1:], f"{note}, set that: {SET_RATE}"))
 
 
 def _rate(match: re.Match[str]) -> float | None:

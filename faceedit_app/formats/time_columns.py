@@ -13,7 +13,6 @@ from datetime import datetime
 
 import numpy as np
 
-from faceedit_app.core.arrays import Times
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import REPAIR, shown
@@ -24,6 +23,14 @@ from faceedit_app.formats.second_take import (
     check_one_take,
     not_gone_on,
 )
+from faceedit_app.formats.time_names import (
+    NAMED_TIMES,
+    NO_TIMES,
+    counts_steps,
+    names_frames,
+    rank,
+)
+from faceedit_app.formats.time_numbers import number_times
 from faceedit_app.formats.timecode import (
     BadTimecode,
     clock_times,
@@ -31,47 +38,8 @@ from faceedit_app.formats.timecode import (
     is_clock,
     is_timecode,
 )
-from faceedit_app.formats.timing import (
-    DEFAULT_RATE,
-    FASTEST,
-    SLOWEST,
-    BadRow,
-    NoTimes,
-    Timing,
-    set_back,
-    single_row,
-    time_rows,
-    typical_step,
-)
+from faceedit_app.formats.timing import BadRow, NoTimes, Timing, set_back, time_rows
 
-_TICKS = "ticks of 100 ns"  # of .NET and Windows
-_UNITS = {
-    **{"seconds": 1.0, "milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9},
-    _TICKS: 1e-7,
-    "days": 86_400.0,  # as spreadsheets count
-}
-# Ticks of our days since the year 1601 or 1: no other unit has such numbers.
-_SINCE_1601, _SINCE_1 = (1.2e17, 1.5e17), (6.2e17, 6.7e17)
-_UNIT_WORDS = {
-    **dict.fromkeys(("s", "sec", "secs", "seconds", "sekunden"), "seconds"),
-    **dict.fromkeys(("ms", "msec", "millis", "milliseconds", "millisekunden"), "milliseconds"),
-    **dict.fromkeys(("us", "usec", "micros", "microseconds"), "microseconds"),
-    **dict.fromkeys(("ns", "nsec", "nanos", "nanoseconds"), "nanoseconds"),
-    "ticks": _TICKS,
-}
-_TIME_WORDS = {
-    *("time", "times", "timestamp", "timestamps", "timecode", "tc", "t", "elapsed", "epoch"),
-    *("ts", "pts", "date", "datetime", "stamp", "clock"),
-    # In German, French, Spanish, Italian, Portuguese, Dutch, Polish, Russian, Chinese, Japanese.
-    *("zeit", "zeitstempel", "uhrzeit", "temps", "tiempo", "tempo", "tijd", "czas"),
-    *("время", "时间", "時間", "時刻"),
-}
-_STEP_WORDS = {"delta", "dt", "deltatime", "timedelta"}  # the time since the row before
-_COUNT_WORDS = {
-    *("frame", "frames", "framenumber", "frameid", "index", "idx"),
-    *("bild", "bildnummer", "trame", "fotograma", "fotogramma", "帧", "フレーム"),
-}
-_PICTURE_WORDS = {"image", "img", "picture", "filename"}  # numbered like frames
 _NUMBER = re.compile(r"([+-]?\d*\.?\d+(?:[eE][+-]?\d+)?)\s*(s|sec|ms|msec|us|ns)", re.ASCII)
 _NUMBERED = re.compile(r"(?:.*\D)?(\d{1,9})(?:\.[A-Za-z]{2,4})?", re.ASCII)
 _UNIVERSAL = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
@@ -81,11 +49,7 @@ _LOCAL = re.compile(
     r"(?: ?(?P<half>[ap])\.?m\.?)?",
     re.IGNORECASE | re.ASCII,
 )
-_FILM_RATE = 30.0  # the most likely rate of a film whose frames are numbered
-_USUAL = (2.0, 245.0)  # frames per second; a plausible rate for a unit that is not named
-_LONGEST_COUNT = 4.0  # steps from row to row up to which numbers may be frame numbers
 _SAMPLE = 200
-_NAMED_TIMES = 2  # the rank of columns whose names surely mean times
 
 
 @dataclass(frozen=True)
@@ -106,13 +70,8 @@ class RowTimes:
 
 def time_columns(names: Sequence[str]) -> list[int]:
     """Columns that may hold times, the most reliable first."""
-    ranked = [(_rank(name), k) for k, name in enumerate(names)]
-    return [k for rank, k in sorted(ranked) if rank < 9]
-
-
-def counts_steps(name: str) -> bool:
-    """Whether a column of this name has the time since the row before."""
-    return not _STEP_WORDS.isdisjoint(_words(name))
+    ranked = [(rank(name), k) for k, name in enumerate(names)]
+    return [k for place, k in sorted(ranked) if place < NO_TIMES]
 
 
 def read_times(
@@ -133,7 +92,7 @@ def read_times(
         name = table.names[column]
         kind = _kind(cells, name)
         if kind is None:
-            if useless is None and _rank(name) <= _NAMED_TIMES and any(map(str.strip, cells)):
+            if useless is None and rank(name) <= NAMED_TIMES and any(map(str.strip, cells)):
                 where = f'in "{shown(name)}" of a form that is not known'
                 useless = RowTimes(NoTimes(f'has times {where}, such as "{shown(cells[0])}"'))
             continue
@@ -187,27 +146,6 @@ def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[
         "sort the rows by time and remove repeated ones",
         lines[row],
     )
-
-
-def _words(name: str) -> list[str]:
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    return [word.lower() for word in re.split(r"[\W_]+", name) if word]
-
-
-def _rank(name: str) -> int:
-    words = {*_words(name), name.strip().lower()}
-    unit = not words.isdisjoint(_UNIT_WORDS)
-    if not words.isdisjoint(_STEP_WORDS):
-        return 6
-    if "timecode" in words:
-        return 0
-    if not words.isdisjoint(_TIME_WORDS):
-        return 1 if unit else 2
-    if unit and len(words) == 1:
-        return 3
-    if not words.isdisjoint(_COUNT_WORDS | _PICTURE_WORDS):
-        return 4
-    return 5 if not name else 9
 
 
 # --- kinds of columns ----------------------------------------------------------------------------
@@ -272,8 +210,7 @@ def _kind(cells: Sequence[str], name: str = "") -> str | None:
     for kind, fits in _KINDS.items():
         if sum(map(fits, sample)) * 2 >= len(sample):
             return kind
-    counts = not (_COUNT_WORDS | _PICTURE_WORDS).isdisjoint(_words(name))
-    return "numbered" if counts and all(map(_NUMBERED.fullmatch, cells)) else None
+    return "numbered" if names_frames(name) and all(map(_NUMBERED.fullmatch, cells)) else None
 
 
 def _read_numbered(cells: Sequence[str], name: str) -> tuple[str, Timing]:
@@ -321,68 +258,6 @@ def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:
         values = np.cumsum(values)
     unit = _NUMBER.fullmatch(cells[0])
     return number_times(values, f"{name} {unit[2]}" if unit else name)
-
-
-def number_times(values: Times, name: str) -> tuple[str, Timing]:
-    """The times of rows in any unit, and their kind (`RowTimes.kind`).
-
-    Args:
-        values: (T,) finite.
-        name: the file's name for them, which may contain a unit.
-
-    Raises:
-        NoTimes: they are frame numbers, or impossible.
-        BadRow: one row, or a few, is out of order.
-    """
-    if len(values) == 1:
-        return "seconds", single_row()
-    steps = np.diff(values)
-    if not np.any(steps > 0):
-        backwards = np.any(steps < 0)
-        what = "times that do not run forward" if backwards else "the same time in every row"
-        raise NoTimes(f"has {what}")
-    words = _words(name)
-    named = next((_UNIT_WORDS[word] for word in reversed(words) if word in _UNIT_WORDS), None)
-    if _counts_frames(steps, words, named):
-        counts = _COUNT_WORDS | _PICTURE_WORDS
-        likely = DEFAULT_RATE if counts.isdisjoint(words) else _FILM_RATE
-        where = f'"{shown(name)}"' if name else "a column without a name"
-        problem = f"numbers its frames in {where} and does not say how many make a second"
-        typical = float(np.median(steps[steps > 0]))
-        raise NoTimes(problem, likely, values / typical if np.all(steps > 0) else None)
-    # If times repeat, the clock is slower than the rows.
-    step = typical_step(steps) if np.mean(steps > 0) > 0.9 else float(steps.mean())
-    is_ticks = any(low < values[0] < high for low, high in (_SINCE_1601, _SINCE_1))
-    unit = _unit(step, _TICKS if is_ticks else named)
-    if unit is None:
-        where = f'"{shown(name)}"' if name else "a column without a name"
-        raise NoTimes(f"has times in {where} that step by {step:g}")
-    timing = time_rows(values * _UNITS[unit])
-    kind = "seconds" if unit == "seconds" else "number"
-    if unit == (named or "seconds"):
-        return kind, timing
-    note = f"{shown(name)} is in {unit}"
-    return kind, Timing(timing.times, timing.rate, (note, *timing.notes))
-
-
-def _counts_frames(steps: Times, words: Sequence[str], named: str | None) -> bool:
-    step = float(np.median(steps[steps > 0]))
-    whole = np.all(steps == np.round(steps)) and np.mean(steps > 0) > 0.9
-    if not whole or step > _LONGEST_COUNT:
-        return False
-    if named is not None and _COUNT_WORDS.isdisjoint(words):
-        return step == 1
-    return bool(np.mean(steps % step == 0) > 0.9)
-
-
-def _unit(step: float, named: str | None) -> str | None:
-    """The unit of times that step by `step`; None if no unit fits."""
-    if step <= 0:
-        return None
-    if named is not None and SLOWEST <= 1 / (step * _UNITS[named]) <= FASTEST:
-        return named
-    low, high = _USUAL
-    return next((u for u, size in _UNITS.items() if low <= 1 / (step * size) <= high), None)
 
 
 _READERS: dict[str, Callable[[Sequence[str], str], tuple[str, Timing]]] = {

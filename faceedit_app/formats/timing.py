@@ -59,21 +59,33 @@ class NoTimes(ValueError):
     Args:
         problem: what is wrong with them, as a phrase about the file.
         rate: the likely frame rate.
-        numbers: (T,) frame numbers, increasing, if the file has them.
+        numbers: (T,) frame numbers, increasing, if the file has them; in usual steps, so that
+            those of rows that follow one another differ by about 1.
+        step: the usual step of the file's own frame numbers.
     """
 
-    def __init__(self, problem: str, rate: float = DEFAULT_RATE, numbers: Times | None = None):
+    def __init__(
+        self,
+        problem: str,
+        rate: float = DEFAULT_RATE,
+        numbers: Times | None = None,
+        step: float = 1.0,
+    ):
         super().__init__(problem)
         self.problem, self.rate, self.numbers = problem, rate, numbers
+        self.step = 1.0 if numbers is None else step
 
     def timing_at(self, rate: float, rows: Indices) -> Timing:
-        """The times of the frames at a rate that the user gave.
+        """The times of the frames at a rate that the user gave, which is that of the rows.
 
         Args:
             rows: (T,) the rows of the frames in the file.
         """
         numbers = rows.astype(np.float64) if self.numbers is None else self.numbers
         steps, notes = join_recordings(np.diff(numbers), 1.0, 1 / rate)
+        if self.step != 1:
+            by = f"its frame numbers step by {shown_step(self.step)}"
+            notes = (f"{by}: {format_rate(rate)} is the rate of its rows", *notes)
         return Timing(np.concatenate([[0.0], np.cumsum(steps)]) / rate, rate, notes)
 
 
@@ -102,24 +114,6 @@ class Timing:
     times: Times
     rate: float
     notes: tuple[str, ...] = ()
-
-
-def time_keys(path: Path, times: Times, remedy: str) -> Timing | NoTimes:
-    """The timing of keys that an animation stores as single-precision seconds.
-
-    Args:
-        path, remedy: for the message.
-
-    Raises:
-        FileError: a key does not come after the one before it.
-    """
-    try:
-        return time_rows(times, 2 * float(np.spacing(np.float32(np.abs(times).max()))))
-    except NoTimes as none:
-        return none
-    except BadRow as bad:
-        problem = f"its key {bad.row + 1} does not come after the one before it"
-        raise FileError(path, problem, remedy) from None
 
 
 def time_rows(seconds: Times, resolution: float | None = None) -> Timing:
@@ -383,6 +377,11 @@ def typical_step(steps: Times) -> float:
 def counted(number: int, noun: str) -> str:
     """`1 frame`, `2 frames`."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def shown_step(step: float) -> str:
+    """`2`, `about 2.37`: how many frames it is from row to row."""
+    return f"{step:.0f}" if step == round(step) else f"about {step:.3g}"
 
 
 def format_rate(rate: float) -> str:

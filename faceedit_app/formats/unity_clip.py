@@ -20,9 +20,10 @@ from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import naming_of
 from faceedit_app.formats.files import LONGEST_NAME, check_text, shown
 from faceedit_app.formats.followers import WHOLE, following
+from faceedit_app.formats.key_times import time_keys
 from faceedit_app.formats.number_spans import SpanSource
 from faceedit_app.formats.take import Recording, Take, finish_take
-from faceedit_app.formats.timing import counted, time_keys
+from faceedit_app.formats.timing import counted
 from faceedit_app.formats.weights import PERCENT
 
 FORMAT = "Unity animation clip"

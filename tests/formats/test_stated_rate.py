@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -112,3 +114,66 @@ def test_times_that_contradict_a_stated_rate_count_and_are_noted(
     note = f'24 fps by its times, although the file says "fps: {stated}"'
     assert any(one.startswith(f"{note}; if the file is right") for one in take.notes) == is_noted
     assert not any(note in one for one in open_take(path, fps=30).notes), "the user knows"
+
+
+COUNTED = {
+    "every 2nd": (range(0, 80, 2), 60, 30.0, 2),
+    "every 3rd": (range(1000, 1120, 3), 60, 20.0, 3),
+    "every 2nd of a broadcast film": (range(0, 80, 2), 59.94, 30000 / 1001, 2),
+    "every 2.4th": ([round(2.4 * n) for n in range(FRAMES + 1)], 60, 25.0, 2.4),
+    "every 5.5th": ([5 * n + n // 2 for n in range(FRAMES)], 60, 60 / 5.487, 5.49),
+}
+
+
+@pytest.mark.parametrize(("numbers", "stated", "rate", "step"), COUNTED.values(), ids=COUNTED)
+@pytest.mark.parametrize("layout", ["comment", "column", "JSON"])
+def test_a_stated_rate_is_that_of_the_frame_numbers(
+    tmp_path: Path, numbers: Sequence[int], stated: float, rate: float, step: float, layout: str
+) -> None:
+    path = tmp_path / "take.csv"
+    if layout == "JSON":
+        frames = [{"frame": n, "blendshapes": {"jawOpen": n % 7 / 10}} for n in numbers]
+        path.write_text(json.dumps({"fps": stated, "frames": frames}))
+    elif layout == "column":
+        rows = "".join(f"{n},{stated},0.{n % 7}\n" for n in numbers)
+        path.write_text(f"frame,fps,jawOpen\n{rows}")
+    else:
+        rows = "".join(f"{n},0.{n % 7}\n" for n in numbers)
+        path.write_text(f"# video fps: {stated}, stride: 2\nframe,jawOpen\n{rows}")
+    take = open_take(path)
+    assert take.clip.rate == pytest.approx(rate, rel=1e-4)
+    exact = 60000 / 1001 if stated == 59.94 else stated
+    assert take.clip.times == pytest.approx([(n - numbers[0]) / exact for n in numbers])
+    assert not take.clip.gaps
+    (note,) = take.notes
+    by = f"{step}" if isinstance(step, int) else f"about {step}"
+    assert "because the file says" in note
+    assert f"its frame numbers step by {by}" in note
+
+
+def test_frame_numbers_that_lack_some_of_every_second_are_gaps(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    rows = "".join(f"{n},0.{n % 7}\n" for n in range(0, 80, 2) if n not in (40, 42))
+    path.write_text(f"# fps: 60\nframe,jawOpen\n{rows}")
+    clip = open_take(path).clip
+    assert clip.rate == 30
+    assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(19, 2)]
+
+
+def test_a_rate_for_every_second_frame_number_is_that_of_the_rows(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    rows = "".join(f"{n},0.{n % 7}\n" for n in range(0, 80, 2))
+    path.write_text(f"frame,jawOpen\n{rows}")
+    with pytest.raises(RateNeeded, match="step by 2 and does not say how many rows"):
+        open_take(path)
+    take = open_take(path, fps=30)
+    assert take.clip.times[-1] == pytest.approx(39 / 30)
+    assert "its frame numbers step by 2: 30 fps is the rate of its rows" in take.notes
+
+
+def test_a_stated_rate_that_leaves_less_than_a_row_a_second_is_asked_about(tmp_path: Path) -> None:
+    path = tmp_path / "take.csv"
+    rows = "".join(f"{n},0.{n % 7}\n" for n in range(0, 600, 15))
+    path.write_text(f"# fps: 15\nframe,jawOpen\n{rows}")
+    with pytest.raises(RateNeeded, match='has a row in 1 s, because the file says "fps: 15"'):
+        open_take(path)
