@@ -17,13 +17,16 @@ from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, forma
 
 _KINDS = "video|capture|source|camera|export|record(?:ing)?|nominal|avg|r|film|clip|anim(?:ation)?"
 _NAME = re.compile(
-    rf"(?:{_KINDS})?(?:fps|framerate|framespersecond|framespersec)(?:hz)?", re.IGNORECASE
+    rf"(?:{_KINDS})?(?:fps|framerate|framespersecond|framespersec)(?:hz)?"
+    r"|bildrate|bildfrequenz|bilderprosek(?:unde)?|imagesparsec(?:onde)?|fotogramasporsegundo",
+    re.IGNORECASE,
 )
 _PERIOD = re.compile(r"(?:frame(?:duration|time|interval|delta)|secondsperframe)(?:ms|s|sec)?")
 _NUMBER = r"(\d{1,5}(?:\.\d{1,9})?)(?:\s*/\s*(\d{1,5}))?"
 _NAMED = re.compile(
     rf"(?<![a-z])(?:(?:{_KINDS})[ _-]?)?"
-    r"(?:fps|frame[ _-]?rate|frames[ _-]?(?:per|/)[ _-]?s(?:ec(?:ond)?)?)(?![a-z])"
+    r"(?:fps|frame[ _-]?rate|frames[ _-]?(?:per|/)[ _-]?s(?:ec(?:ond)?)?|bildrate|bildfrequenz"
+    r"|(?:bilder (?:pro|je)|images par|fotogramas por|bilder/|images/) ?s[a-z]{0,7})(?![a-z])"
     rf"(?:[\"'\s:=,;]|is\b|\(\w*\))*{_NUMBER}",
     re.IGNORECASE,
 )
@@ -35,6 +38,8 @@ _SLOWEST_FILM, _FASTEST_CAMERA = 5.0, 245.0  # frames per second
 _WHOLE, _FINE = 0.016, 0.001  # relative error of a period in whole milliseconds, or finer
 _BROADCAST = 1.001  # a timecode's second at 23.976 fps and the like, in real seconds
 _SAME = 5e-4  # relative difference of rates: less than that of 23.976 and 24
+# Decimals after a comma, or another number: `23,976` but not `30, 2`, `30,2,5` or `fps,30,2`.
+_COMMA = re.compile(r"(?<![\d.,])(\d{1,3}),(\d{1,3})(?![\d%]|[.,]\d)", re.ASCII)
 _LONGEST = 400  # characters of a line of text that may state a rate
 
 
@@ -86,26 +91,38 @@ def rate_of_period(name: str, value: float) -> float | None:
     return None
 
 
-def rate_in_lines(lines: Iterable[str]) -> Stated | None:
-    """The rate that comments and other lines around a table state; None if they disagree."""
-    found = [one for line in lines if len(line) <= _LONGEST and (one := rate_in_text(line))]
+def rate_in_lines(lines: Iterable[str], decimal_comma: bool = False) -> Stated | None:
+    """The rate that comments and other lines around a table state; None if they disagree.
+
+    Args:
+        decimal_comma: whether a comma between digits is a decimal one, also if it need not be.
+    """
+    short = (line for line in lines if len(line) <= _LONGEST)
+    found = [one for line in short if (one := rate_in_text(line, decimal_comma))]
     sure = [one for one in found if one.is_sure] or found
     return sure[0] if len({one.rate for one in sure}) == 1 else None
 
 
-def rate_in_text(text: str) -> Stated | None:
-    """The rate that a line states; it is sure if it is named, or all that the line says."""
+def rate_in_text(text: str, decimal_comma: bool = False) -> Stated | None:
+    """The rate that a line states; it is sure if it is named, or all that the line says.
+
+    Of `30,60`, which may be two numbers, it is not.
+    """
+    says = shown(text.strip(_MARKS + "\r\n"))
     if ";" in text or "\t" in text:  # as the separator, so that a comma may be a decimal one
         text = text.replace(",", ".")
+    text = _COMMA.sub(lambda match: _with_point(match, decimal_comma), text)
     bare = text.strip(_MARKS + "\r\n")
-    named = {rate for match in _NAMED.finditer(text) if (rate := _rate(match))}
+    matches = [match for match in _NAMED.finditer(text) if _rate(match)]
+    named = {_rate(match) or 0.0 for match in matches}
     if len(named) == 1:
-        return Stated(named.pop(), shown(bare))
+        is_sure = not any(_COMMA.match(text, match.start(1)) for match in matches)
+        return Stated(named.pop(), says, is_sure)
     loose = (match for form in (_PROSE, _LOOSE) for match in form.finditer(text))
     prose = {rate for match in loose if (rate := _rate(match)) and rate <= _FASTEST_CAMERA}
     if named or len(prose) != 1:
         return None
-    return Stated(prose.pop(), shown(bare), _PROSE.fullmatch(bare) is not None)
+    return Stated(prose.pop(), says, _PROSE.fullmatch(bare) is not None)
 
 
 def rate_in_column(name: str, cells: Sequence[str]) -> Stated | None:
@@ -125,7 +142,7 @@ def rate_in_table(table: Table, cells: Callable[[int], Sequence[str]]) -> Stated
     if column is not None:
         return rate_in_column(table.names[column], cells(column))
     before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
-    return rate_in_lines(before)
+    return rate_in_lines(before, table.delimiter != b",")
 
 
 def settled(
@@ -180,6 +197,13 @@ def by_frame_numbers(numbers: NoTimes, rate: float, says: str, rows: Indices) ->
         slower = nominal_rate(slower, 1 / (found.times[-1] * rate)) or slower
     note = f"{format_rate(slower)}, because {by}; if its rows have the rate that it says"
     return Timing(found.times, slower, (*found.notes[1:], f"{note}, set that: {SET_RATE}"))
+
+
+def _with_point(match: re.Match[str], decimal_comma: bool) -> str:
+    """A number with a point, if its comma is a decimal one: that of 23.976, 29.97, 25.0."""
+    number = float(f"{match[1]}.{match[2]}")
+    is_rate = number == int(number) or exact_rate(number) != number
+    return f"{match[1]}.{match[2]}" if decimal_comma or is_rate else match[0]
 
 
 def _rate(match: re.Match[str]) -> float | None:

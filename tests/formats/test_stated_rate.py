@@ -24,11 +24,19 @@ STATED = {
     "lines before the header": ("Subject,A\nFrames,40\nFPS,29.97\n\n" + NUMBERED, 30000 / 1001),
     "a fraction": ("# r_frame_rate=24000/1001\n" + NUMBERED, 24000 / 1001),
     "a decimal comma": (("Bildrate;x\nFPS;23,976\n" + NUMBERED.replace(",", ";")), 24000 / 1001),
+    "a decimal comma in a comment": ("# fps: 23,976\n" + NUMBERED, 24000 / 1001),
+    "a decimal comma alone": ("# 59,94 fps\n" + NUMBERED, 60000 / 1001),
+    "a decimal comma in German": ("Bildrate: 29,97\n" + NUMBERED, 30000 / 1001),
+    "a decimal comma beside semicolons": ("# fps: 12,5\n" + NUMBERED.replace(",", ";"), 12.5),
+    "words in German": ("Bilder pro Sekunde: 25\n" + NUMBERED, 25.0),
+    "a comma before something else": ("# fps: 30, stride: 2\n" + NUMBERED, 30.0),
+    "numbers between commas": ("fps,30,60\n" + NUMBERED, 30.0),
     "a column": (NUMBERED.replace("\n", ",24\n").replace("mouthClose,24", "mouthClose,fps"), 24.0),
 }
 MENTIONED = {
     "prose": ("# from a camera of 50 fps, by hand\n" + NUMBERED, 50.0),
     "a rate of something": ("Rate,25\n" + NUMBERED, 25.0),
+    "two numbers, or a decimal comma": ("# fps: 30,60\n" + NUMBERED, 30.0),
 }
 UNCLEAR = {
     "two rates": ("# fps: 60\n# fps: 30\n" + BARE, 60.0),
