@@ -276,7 +276,7 @@ def _lost_rows(places: _Places, rows: TableRows, times: RowTimes, told: Times | 
 
 def _told(table: Table, places: _Places, rows: TableRows, times: RowTimes) -> Times | None:
     """(R,) seconds of all rows on a clock of their own, if some of them have no face."""
-    if times.column is None or not rows.lost.any():
+    if times.column is None or times.part is not None or not rows.lost.any():
         return None
     place = places.texts.index(times.column)
     return told_times([texts[place] for texts in rows.texts], table.names[times.column])

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
 
 from faceedit_app.core.errors import FileError
+from faceedit_app.formats.clocks import Clock, believed
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import REPAIR, shown
 from faceedit_app.formats.second_take import (
@@ -26,11 +27,14 @@ from faceedit_app.formats.second_take import (
 from faceedit_app.formats.time_names import (
     NAMED_TIMES,
     NO_TIMES,
+    UNIT_ALONE,
     counts_steps,
+    is_scale,
     names_frames,
     rank,
 )
 from faceedit_app.formats.time_numbers import number_times
+from faceedit_app.formats.time_parts import joined_parts
 from faceedit_app.formats.timecode import (
     BadTimecode,
     clock_times,
@@ -61,11 +65,18 @@ class RowTimes:
         column: the column of the times, if any.
         kind: `timecode`, `clock`, `date`, `seconds`, `number` (in another unit),
             `frames`, or "".
+        part: the column with the other part of the times, if they are in two.
     """
 
     timing: Timing | NoTimes
     column: int | None = None
     kind: str = ""
+    part: int | None = None
+
+    @property
+    def has_numbers(self) -> bool:
+        """Whether they are frame numbers."""
+        return isinstance(self.timing, NoTimes) and self.timing.numbers is not None
 
 
 def time_columns(names: Sequence[str]) -> list[int]:
@@ -87,37 +98,73 @@ def read_times(
     Raises:
         FileError: a row of the column is damaged.
     """
+    names = [table.names[column] for column in columns]
+    joined = joined_parts(names, texts)
+    parts = {part for part, _ in joined.values()}
     useless: RowTimes | None = None
-    for column, cells in zip(columns, texts, strict=True):
-        name = table.names[column]
-        kind = _kind(cells, name)
-        if kind is None:
-            if useless is None and rank(name) <= NAMED_TIMES and any(map(str.strip, cells)):
-                where = f'in "{shown(name)}" of a form that is not known'
-                useless = RowTimes(NoTimes(f'has times {where}, such as "{shown(cells[0])}"'))
+    clocks: list[RowTimes] = []
+    for k, (column, name) in enumerate(zip(columns, names, strict=True)):
+        if k in parts or is_scale(name) or (clocks and rank(name) > UNIT_ALONE):
             continue
+        part, cells = joined.get(k, (None, texts[k]))
         try:
-            kind, timing = _READERS[kind](cells, name)
-        except NoTimes as none:
-            if none.numbers is None:
-                check_numbers(table, cells, lines)
-            kind = "frames" if none.numbers is not None else kind
-            if useless is None or none.numbers is not None:
-                useless = RowTimes(none, column, kind)
-        except BadTimecode as bad:
-            what = {"timecode": "a timecode (HH:MM:SS:FF)", "number": "a finite number"}
-            raise table.error(
-                f'column "{shown(name)}" holds "{shown(bad.text)}", '
-                f"which is not {what.get(kind, 'a time like those in other rows')}",
-                REPAIR,
-                lines[bad.row],
-            ) from None
-        except BadRow as bad:
-            raise _out_of_order(table, cells, bad.row, lines) from None
-        else:
-            check_one_take(table, cells, lines, kind, timing)
-            return RowTimes(timing, column, kind)
+            found = _column_times(table, column, cells, lines)
+        except FileError:
+            if clocks:
+                continue
+            raise
+        if found is not None and part is not None:
+            found = replace(found, kind="number", part=columns[part])
+        if found is not None and isinstance(found.timing, Timing):
+            clocks.append(found)
+        elif found is not None and (useless is None or found.has_numbers):
+            useless = found
+    if clocks:
+        return _believed(table, clocks)
     return useless or RowTimes(NoTimes("has no column with times"))
+
+
+def _believed(table: Table, found: Sequence[RowTimes]) -> RowTimes:
+    """One of the columns that have times, with a note if another one says something else."""
+    clocks = [
+        Clock(table.names[one.column], one.kind, one.timing)
+        for one in found
+        if one.column is not None and isinstance(one.timing, Timing)
+    ]
+    best, notes = believed(clocks)
+    timing = clocks[best].timing
+    return replace(found[best], timing=replace(timing, notes=(*notes, *timing.notes)))
+
+
+def _column_times(
+    table: Table, column: int, cells: Sequence[str], lines: Sequence[int]
+) -> RowTimes | None:
+    """The times in a column, or why they are none; None if it does not look like times."""
+    name = table.names[column]
+    kind = _kind(cells, name)
+    if kind is None:
+        if rank(name) > NAMED_TIMES or not any(map(str.strip, cells)):
+            return None
+        where = f'in "{shown(name)}" of a form that is not known'
+        return RowTimes(NoTimes(f'has times {where}, such as "{shown(cells[0])}"'))
+    try:
+        kind, timing = _READERS[kind](cells, name)
+    except NoTimes as none:
+        if none.numbers is None:
+            check_numbers(table, cells, lines)
+        return RowTimes(none, column, "frames" if none.numbers is not None else kind)
+    except BadTimecode as bad:
+        what = {"timecode": "a timecode (HH:MM:SS:FF)", "number": "a finite number"}
+        raise table.error(
+            f'column "{shown(name)}" holds "{shown(bad.text)}", '
+            f"which is not {what.get(kind, 'a time like those in other rows')}",
+            REPAIR,
+            lines[bad.row],
+        ) from None
+    except BadRow as bad:
+        raise _out_of_order(table, cells, bad.row, lines) from None
+    check_one_take(table, cells, lines, kind, timing)
+    return RowTimes(timing, column, kind)
 
 
 def text_times(cells: Sequence[str], name: str = "time") -> Timing:

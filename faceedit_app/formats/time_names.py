@@ -13,6 +13,9 @@ UNIT_WORDS = {
     **dict.fromkeys(("ms", "msec", "millis", "milliseconds", "millisekunden"), "milliseconds"),
     **dict.fromkeys(("us", "usec", "micros", "microseconds"), "microseconds"),
     **dict.fromkeys(("ns", "nsec", "nanos", "nanoseconds"), "nanoseconds"),
+    **dict.fromkeys(("msecs", "millisec", "millisecs", "millisecond"), "milliseconds"),
+    **dict.fromkeys(("usecs", "microsec", "microsecs", "microsecond"), "microseconds"),
+    **dict.fromkeys(("nsecs", "nanosec", "nanosecs", "nanosecond"), "nanoseconds"),
     "ticks": TICKS,
 }
 _TIME_WORDS = {
@@ -28,7 +31,16 @@ _COUNT_WORDS = {
     *("bild", "bildnummer", "trame", "fotograma", "fotogramma", "帧", "フレーム"),
     *("image", "img", "picture", "filename"),  # pictures, numbered like frames
 }
+_MEDIA_WORDS = {"video", "media", "film", "movie", "clip", "presentation", "playback", "pts"}
+# Of when a frame was worked on, not of the frame.
+_WALL_WORDS = {
+    *("system", "sys", "wall", "unix", "epoch", "utc", "host", "cpu", "server", "local", "now"),
+    *("process", "processing", "processed", "received", "receive", "arrival", "log", "logged"),
+}
+_SCALE_WORDS = {"timescale", "timebase"}
+_UNIX = "tv"  # before the parts of a time of Unix, `tv_sec` and `tv_usec`
 NAMED_TIMES = 2  # the rank of columns whose names surely mean times
+UNIT_ALONE = 3  # the rank of columns that are called by a unit
 NUMBERED = 4  # the rank of columns that number frames or pictures
 NO_TIMES = 9  # the rank of columns that have none
 
@@ -47,10 +59,14 @@ def rank(name: str) -> int:
         return 6
     if "timecode" in found:
         return 0
+    if is_scale(name):
+        return 7
     if not found.isdisjoint(_TIME_WORDS):
         return 1 if unit else NAMED_TIMES
-    if unit and len(found) == 1:
-        return 3
+    if unit and not found.isdisjoint(_MEDIA_WORDS):
+        return NAMED_TIMES
+    if unit and len(found - {_UNIX, name.strip().lower()}) <= 1:
+        return UNIT_ALONE
     if not found.isdisjoint(_COUNT_WORDS):
         return NUMBERED
     return NO_TIMES if name else 5
@@ -69,6 +85,28 @@ def names_frames(name: str) -> bool:
 def only_names_frames(name: str) -> bool:
     """Whether a name says that a column numbers frames, and nothing about times."""
     return rank(name) == NUMBERED and unit_of(name) is None
+
+
+def is_of_media(name: str) -> bool:
+    """Whether a column of times says that it has those of the film's frames."""
+    found = {*words(name)}
+    return bool(found & _MEDIA_WORDS) or (names_frames(name) and bool(found & _TIME_WORDS))
+
+
+def is_of_wall(name: str) -> bool:
+    """Whether a column of times says that it has those of a clock on a wall."""
+    return not _WALL_WORDS.isdisjoint(words(name))
+
+
+def is_scale(name: str) -> bool:
+    """Whether a column of this name says how many units of a time make a second."""
+    found = words(name)
+    return not _SCALE_WORDS.isdisjoint([*found, "".join(found[-2:])])
+
+
+def stem(name: str) -> str:
+    """A name without the words for units: the same for the parts of a time."""
+    return " ".join(word for word in words(name) if word not in UNIT_WORDS)
 
 
 def counts_steps(name: str) -> bool:
