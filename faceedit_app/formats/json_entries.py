@@ -20,6 +20,7 @@ from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.lost_faces import CONFIDENCE, is_flag, says_lost
 from faceedit_app.formats.several_faces import names_faces, take_turns
 from faceedit_app.formats.time_columns import time_columns
+from faceedit_app.formats.time_names import UNIT_ALONE, is_scale, rank
 from faceedit_app.formats.timecode import is_timecode
 
 DEEPEST = 5
@@ -63,7 +64,9 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     lost = [_is_lost(text, entry) for entry in entries]
     if not all(lost):  # else the flag is never set
         weights = [{} if gone else row for gone, row in zip(lost, weights, strict=True)]
-    clock = _running_clock(text, [entry for entry, row in zip(entries, sets, strict=True) if row])
+    clock, *others = _running_clocks(
+        text, [entry for entry, row in zip(entries, sets, strict=True) if row]
+    )
     named = dict.fromkeys(name for row in weights for name in row)
     names = [name for name in named if not clock or name != clock[-1]]
     times = [value_at(entry, clock) for entry in entries] if clock else list(keys)
@@ -74,6 +77,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         clock[-1] if clock else "time",
         rate,
         naming,
+        others=[(keys[-1], [value_at(entry, keys) for entry in entries]) for keys in others],
         unread=(*faces, *_unread(sets)),
         sure=[_sureness(entry) for entry in entries],
     )
@@ -330,16 +334,22 @@ def _clocks(frame: Any) -> Iterator[tuple[str, ...]]:
             yield from ((key, *below) for below in _clocks(value))
 
 
-def _running_clock(text: JsonText, frames: Sequence[Any]) -> tuple[str, ...]:
-    """Where the times of frames are: the first place that is not the same in all of them."""
+def _running_clocks(text: JsonText, frames: Sequence[Any]) -> list[tuple[str, ...]]:
+    """Where the times of frames are: the first place that is not the same in all of them.
+
+    What else may tell or complete them follows. The place is empty if there is none.
+    """
     found = list(_clocks(frames[0]))
     tried = (frames[0], frames[len(frames) // 2], frames[-1])
+    times = [keys for keys in found if not is_scale(keys[-1])]
     running = (
         keys
-        for keys in found
+        for keys in times
         if len({_text_of(text, value_at(frame, keys)) for frame in tried}) > 1
     )
-    return next(running, next(iter(found), ()))
+    clock = next(running, next(iter(times), ()))
+    others = (keys for keys in found if rank(keys[-1]) <= UNIT_ALONE or is_scale(keys[-1]))
+    return [clock, *(keys for keys in others if keys != clock)]
 
 
 def value_at(entry: Any, keys: Sequence[str]) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arkit import ROTATION_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.names import canonical_channel
+from faceedit_app.formats.clocks import Clock, believed
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
 from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Places, as_list
@@ -22,7 +23,9 @@ from faceedit_app.formats.several_faces import faces_in
 from faceedit_app.formats.stated_rate import by_frame_numbers
 from faceedit_app.formats.take import Recording, Take, finish_take
 from faceedit_app.formats.time_columns import text_times
+from faceedit_app.formats.time_names import is_scale
 from faceedit_app.formats.time_numbers import number_times
+from faceedit_app.formats.time_parts import joined_parts
 from faceedit_app.formats.timecode import BadTimecode
 from faceedit_app.formats.timing import (
     DEFAULT_RATE,
@@ -50,6 +53,7 @@ class JsonFrames:
         time_name: the document's name for them.
         rate: frames per second, instead of times.
         naming: the channel that a name means.
+        others: other clocks, or parts of the first: their names and (R) times.
         notes: what is unusual about them.
         unread: as `Take.unread`.
         sure: (R) how sure the tracker was of each frame, numbers; empty if the file does not say.
@@ -64,6 +68,7 @@ class JsonFrames:
     notes: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     sure: Sequence[Any] = ()
+    others: Sequence[tuple[str, Sequence[Any]]] = ()
 
 
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
@@ -193,13 +198,12 @@ def _all_turns(places: Places, names: Sequence[str]) -> Places:
 
 def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTimes:
     times = [frames.times[row] for row in kept] if frames.times else []
-    numbers = [text.number(entry) for entry in times]
-    dates = [entry for entry in times if isinstance(entry, str)]
+    others = [(name, [entries[row] for row in kept]) for name, entries in frames.others]
     try:
-        if times and None not in numbers:
-            return number_times(np.array(numbers, np.float64), frames.time_name)[1]
-        if times and len(dates) == len(times):
-            return text_times(dates)
+        if times and (found := _clocks_of(text, [(frames.time_name, times), *others])):
+            best, notes = believed(found)
+            timing = found[best].timing
+            return replace(timing, notes=(*notes, *timing.notes))
     except NoTimes as none:
         if frames.rate is None:
             likely = likely_rate(text, none.rate)
@@ -224,3 +228,49 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
     if len(kept) == 1:
         return single_row()
     return Timing((kept - kept[0]) / frames.rate, frames.rate)
+
+
+def _clocks_of(text: JsonText, named: Sequence[tuple[str, Sequence[Any]]]) -> list[Clock]:
+    """The clocks of frames; empty if the first is none.
+
+    Args:
+        named: the names of clocks and (T) their times; some may be parts of others.
+
+    Raises:
+        NoTimes, BadRow, BadTimecode: those of the first are impossible.
+    """
+    names = [name for name, _ in named]
+    joined = joined_parts(names, [[_digits(text, one) for one in times] for _, times in named])
+    parts = {part for part, _ in joined.values()}
+    found: list[Clock] = []
+    for k, (name, times) in enumerate(named):
+        if k in parts or is_scale(name):
+            continue
+        try:
+            if k in joined:
+                kind, timing = number_times(np.array(joined[k][1], np.float64), f"{name} s")
+            else:
+                kind, timing = _clock_times(text, times, name)
+        except (NoTimes, BadTimecode, BadRow):
+            if k == 0:
+                raise
+        else:
+            found.append(Clock(name, kind, timing))
+    return found
+
+
+def _digits(text: JsonText, entry: Any) -> str:
+    """A number without an exponent; "" if it is none."""
+    number = text.number(entry)
+    return "" if number is None else np.format_float_positional(number, trim="-")
+
+
+def _clock_times(text: JsonText, times: Sequence[Any], name: str) -> tuple[str, Timing]:
+    """The kind (`Clock.kind`) and the times of numbers, or of dates and the like."""
+    numbers = [text.number(entry) for entry in times]
+    if None not in numbers:
+        return number_times(np.array(numbers, np.float64), name)
+    dates = [entry for entry in times if isinstance(entry, str)]
+    if len(dates) < len(times):
+        raise NoTimes("has neither times nor a frame rate")
+    return "date", text_times(dates)

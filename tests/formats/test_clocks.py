@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -102,3 +104,26 @@ def test_two_columns_with_whole_times_are_not_added(tmp_path: Path) -> None:
     clip = open_take(path).clip
     assert clip.rate == RATE
     assert clip.times[-1] == pytest.approx((FRAMES - 1) / RATE, abs=0.05)
+
+
+JSON: dict[str, Callable[[int], dict[str, Any]]] = {
+    "two clocks": lambda n: {"systemTime": BEGIN + WORKED[n], "mediaTime": n / RATE},
+    "ROS": lambda n: {
+        "header": {"stamp": {"secs": nanoseconds(n) // 10**9, "nsecs": nanoseconds(n) % 10**9}}
+    },
+    "a time scale": lambda n: {"time": n * 600 // RATE, "timescale": 600},
+}
+
+
+@pytest.mark.parametrize("write", JSON.values(), ids=JSON)
+def test_clocks_in_json_are_chosen_and_joined_alike(
+    tmp_path: Path, write: Callable[[int], dict[str, Any]]
+) -> None:
+    path = tmp_path / "take.json"
+    path.write_text(json.dumps([{**write(n), "weights": {"jawOpen": n % 7 / 10}} for n in KEPT]))
+    take = open_take(path)
+    assert take.clip.rate == RATE
+    assert take.clip.times[-1] == pytest.approx((FRAMES - 1) / RATE, abs=1e-3)
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(49, 2)]
+    wanted = ['the times are those of "mediaTime"'] if "systemTime" in write(0) else []
+    assert [note.split(",")[0] for note in take.notes if "gap" not in note] == wanted
