@@ -14,6 +14,7 @@ from faceedit_app.core.arkit import ROTATION_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.clocks import Clock, believed
+from faceedit_app.formats.digit_times import dates_of
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
 from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Places, as_list
@@ -40,6 +41,8 @@ from faceedit_app.formats.timing import (
 
 Naming = Callable[[str], str | None]
 """The channel that a name in a file means, or None."""
+
+_LEAST_DATE = 19700101000000.0  # that is written as digits alone
 
 
 @dataclass(frozen=True)
@@ -269,8 +272,13 @@ def _clock_times(text: JsonText, times: Sequence[Any], name: str) -> tuple[str, 
     """The kind (`Clock.kind`) and the times of numbers, or of dates and the like."""
     numbers = [text.number(entry) for entry in times]
     if None not in numbers:
-        return number_times(np.array(numbers, np.float64), name)
-    dates = [entry for entry in times if isinstance(entry, str)]
-    if len(dates) < len(times):
+        values = np.array(numbers, np.float64)
+        if values.min() > _LEAST_DATE:  # more digits than a float keeps
+            digits = [text.written(one) for one in times if isinstance(one, NumberPlace)]
+            if dates := dates_of(digits):
+                return "date", text_times(dates)
+        return number_times(values, name)
+    texts = [entry for entry in times if isinstance(entry, str)]
+    if len(texts) < len(times):
         raise NoTimes("has neither times nor a frame rate")
-    return "date", text_times(dates)
+    return "date", text_times(texts)

@@ -97,6 +97,11 @@ class JsonText:
         """The number at an entry of the document; None if the entry is not a number."""
         return float(self.values[entry]) if isinstance(entry, NumberPlace) else None
 
+    def written(self, entry: NumberPlace) -> str:
+        """A number as the file has it."""
+        start, end = self.spans[entry].tolist()
+        return self.content[start:end].decode("ascii", "replace")
+
     def places(self, entries: Sequence[Any]) -> Places:
         """Where the numbers of a list are; null counts as missing.
 

@@ -16,6 +16,7 @@ import numpy as np
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.clocks import Clock, believed
 from faceedit_app.formats.csv_table import Table
+from faceedit_app.formats.digit_times import clocks_of, dates_of
 from faceedit_app.formats.files import REPAIR, shown
 from faceedit_app.formats.second_take import (
     after_header,
@@ -253,6 +254,8 @@ _KINDS: dict[str, Callable[[str], bool]] = {
 
 def _kind(cells: Sequence[str], name: str = "") -> str | None:
     """The kind of most cells of a column, if it is a time or a number."""
+    if dates_of(cells):
+        return "digits"
     sample = cells[:: max(1, len(cells) // _SAMPLE)]
     for kind, fits in _KINDS.items():
         if sum(map(fits, sample)) * 2 >= len(sample):
@@ -295,6 +298,10 @@ def date_times(cells: Sequence[str]) -> Timing:
 
 
 def _read_numbers(cells: Sequence[str], name: str) -> tuple[str, Timing]:
+    if rank(name) == NAMED_TIMES and (clocks := clocks_of(cells)):
+        timing = clock_times(clocks)
+        note = f"{shown(name)} is read as hours, minutes and seconds"
+        return "clock", replace(timing, notes=(note, *timing.notes))
     values = np.empty(len(cells))
     for row, text in enumerate(cells):
         number = _number(text)
@@ -312,6 +319,7 @@ _READERS: dict[str, Callable[[Sequence[str], str], tuple[str, Timing]]] = {
     "clock": lambda cells, name: ("clock", clock_times(cells)),
     "number": _read_numbers,
     "date": _read_dates,
+    "digits": lambda cells, name: _read_dates(dates_of(cells) or cells, name),
     "local": _read_local,
     "numbered": _read_numbered,
 }

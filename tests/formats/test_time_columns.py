@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -103,3 +104,41 @@ def test_numbers_in_the_names_of_pictures_are_frame_numbers(
     assert asked.value.rate == 30
     clip = open_take(asked.value.path, fps=RATE).clip
     assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(49, 2)]
+
+
+def digits(form: str, cut: int | None = None) -> Write:
+    begin = datetime(2024, 3, 5, 9, 59, 58, 500_000)  # goes on to the next hour
+    return lambda n: (begin + timedelta(seconds=n / RATE)).strftime(form)[:cut]
+
+
+DIGITS: dict[str, Write] = {
+    "microseconds": digits("%Y%m%d%H%M%S%f"),
+    "milliseconds": digits("%Y%m%d%H%M%S%f", -3),
+    "parts": digits("%Y%m%d_%H%M%S_%f"),
+    "a clock time": digits("%H%M%S.%f"),
+    "a clock time in milliseconds": digits("%H%M%S%f", -3),
+}
+
+
+@pytest.mark.parametrize("write", DIGITS.values(), ids=DIGITS)
+def test_digits_that_are_a_date_or_clock_time_go_on_at_a_full_minute(
+    tmp_path: Path, write: Write
+) -> None:
+    clip = opened(tmp_path, "timestamp", write).clip
+    assert clip.rate == RATE
+    assert clip.duration == pytest.approx(FRAMES / RATE, abs=2e-3)
+    assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(49, 2)]
+
+
+def test_digits_of_a_date_in_json_are_a_date(tmp_path: Path) -> None:
+    path, write = tmp_path / "take.json", digits("%Y%m%d%H%M%S%f")
+    frames = [f'{{"timestamp": {write(n)}, "jawOpen": 0.{n:02d}}}' for n in range(FRAMES)]
+    path.write_text(f"[{', '.join(frames)}]")
+    clip = open_take(path).clip
+    assert clip.rate == RATE
+    assert not clip.gaps
+
+
+def test_seconds_that_go_on_beyond_59_are_no_clock_time(tmp_path: Path) -> None:
+    clip = opened(tmp_path, "time", lambda n: f"{95958.5 + n / RATE:.3f}").clip
+    assert clip.duration == pytest.approx(FRAMES / RATE, abs=2e-3)
