@@ -1,4 +1,4 @@
-"""Dates and clock times that are written as digits alone, such as `20240305142258500`."""
+"""Dates and clock times with digits alone (`20240305142258500`), or with zeros left out."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ _DATE = re.compile(
 )
 # A point, or milliseconds or finer without one; the hour may lack its zero.
 _CLOCK = re.compile(r"(\d|[01]\d|2[0-3])([0-5]\d)([0-5]\d)(?:\.(\d{1,9})|(\d{3}|\d{6}|\d{9}))")
+_FRACTION = re.compile(r"(.*\d[.,])(0|[1-9]\d{0,8})(\D*|[+-]\d\d:?\d\d)", re.ASCII)
+_PARTS = {3: "milliseconds", 6: "microseconds", 9: "nanoseconds"}  # by their digits
 _LONGEST_STEP = 30.0  # seconds; less than the 40 that such digits jump by from 59 to 00
 
 
@@ -54,3 +56,17 @@ def clocks_of(cells: Sequence[str]) -> list[str] | None:
     steps = np.diff(np.array(seconds))
     runs_on = bool(np.all((steps >= 0) & (steps < _LONGEST_STEP)))
     return found if len(minutes) > 1 and runs_on else None
+
+
+def with_zeros(cells: Sequence[str]) -> tuple[list[str], str] | None:
+    """T texts with the zeros that a program left out after the point, and what they count.
+
+    It wrote 80 and 120 milliseconds as `.80` and `.120`. None if the texts cannot be such.
+    """
+    matches = [_FRACTION.fullmatch(text) for text in cells]
+    found = [match for match in matches if match]
+    widths = {len(match[2]) for match in found}
+    if len(found) < len(cells) or len(widths) < 2 or max(widths) not in _PARTS:
+        return None
+    most = max(widths)
+    return [f"{match[1]}{match[2]:0>{most}}{match[3]}" for match in found], _PARTS[most]

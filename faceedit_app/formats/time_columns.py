@@ -16,7 +16,7 @@ import numpy as np
 from faceedit_app.core.errors import FileError
 from faceedit_app.formats.clocks import Clock, believed
 from faceedit_app.formats.csv_table import Table
-from faceedit_app.formats.digit_times import clocks_of, dates_of
+from faceedit_app.formats.digit_times import clocks_of, dates_of, with_zeros
 from faceedit_app.formats.files import REPAIR, shown
 from faceedit_app.formats.second_take import (
     after_header,
@@ -149,7 +149,7 @@ def _column_times(
         where = f'in "{shown(name)}" of a form that is not known'
         return RowTimes(NoTimes(f'has times {where}, such as "{shown(cells[0])}"'))
     try:
-        kind, timing = _READERS[kind](cells, name)
+        kind, timing = _read(kind, cells, name)
     except NoTimes as none:
         if none.numbers is None:
             check_numbers(table, cells, lines)
@@ -181,7 +181,23 @@ def text_times(cells: Sequence[str], name: str = "time") -> Timing:
     kind = _kind(cells, name)
     if kind is None:
         raise BadTimecode(0, cells[0])
-    return _READERS[kind](cells, name)[1]
+    return _read(kind, cells, name)[1]
+
+
+def _read(kind: str, cells: Sequence[str], name: str) -> tuple[str, Timing]:
+    """The kind and the times of a column; those that only zeros put in order get them."""
+    try:
+        return _READERS[kind](cells, name)
+    except (NoTimes, BadRow) as wrong:
+        padded = with_zeros(cells)
+        if padded is None or (isinstance(wrong, NoTimes) and wrong.numbers is not None):
+            raise
+        try:
+            kind, timing = _READERS[kind](padded[0], name)
+        except (NoTimes, BadRow, BadTimecode):
+            raise wrong from None
+        note = f"the digits after the point are {padded[1]} without zeros before them"
+        return kind, replace(timing, notes=(note, *timing.notes))
 
 
 def _out_of_order(table: Table, cells: Sequence[str], row: int, lines: Sequence[int]) -> FileError:

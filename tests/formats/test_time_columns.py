@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from faceedit_app.core.errors import FileError
 from faceedit_app.formats.opening import open_take
 from faceedit_app.formats.take import Take
 from faceedit_app.formats.timing import RateNeeded
@@ -142,3 +143,29 @@ def test_digits_of_a_date_in_json_are_a_date(tmp_path: Path) -> None:
 def test_seconds_that_go_on_beyond_59_are_no_clock_time(tmp_path: Path) -> None:
     clip = opened(tmp_path, "time", lambda n: f"{95958.5 + n / RATE:.3f}").clip
     assert clip.duration == pytest.approx(FRAMES / RATE, abs=2e-3)
+
+
+UNPADDED: dict[str, Write] = {
+    "a clock": lambda n: f"14:22:{n // RATE}.{n % RATE * 1000 // RATE}",
+    "a date": lambda n: f"2024-03-05 14:22:3{n // RATE}.{n % RATE * 1000 // RATE}",
+    "a local date": lambda n: f"05/03/2024 14:22:3{n // RATE}.{n % RATE * 1000 // RATE}",
+    "seconds": lambda n: f"{n // RATE}.{n % RATE * 1000 // RATE}",
+    "microseconds": lambda n: f"14:22:3{n // RATE}.{n % RATE * 1_000_000 // RATE}",
+}
+
+
+@pytest.mark.parametrize("write", UNPADDED.values(), ids=UNPADDED)
+def test_milliseconds_without_zeros_before_them_are_read_and_said(
+    tmp_path: Path, write: Write
+) -> None:
+    take = opened(tmp_path, "time", write)
+    assert take.clip.rate == RATE
+    assert [(gap.frame, gap.missing) for gap in take.clip.gaps] == [(49, 2)]
+    assert any("without zeros before them" in note for note in take.notes)
+
+
+def test_times_that_zeros_do_not_put_in_order_are_refused_as_they_are(tmp_path: Path) -> None:
+    rows = "".join(f"14:22:31.{n},0.1\n" for n in (100, 140, 90, 220, 260, 300))
+    (tmp_path / "take.csv").write_text(f"time,jawOpen\n{rows}")
+    with pytest.raises(FileError, match=r"14:22:31\.90 does not|sort"):
+        open_take(tmp_path / "take.csv")
