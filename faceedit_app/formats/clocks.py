@@ -34,7 +34,7 @@ class Clock:
     timing: Timing
 
     @property
-    def _merit(self) -> tuple[bool, bool, bool, bool]:
+    def _merit(self) -> tuple[bool, ...]:
         """What speaks for it, the strongest first."""
         steps = np.diff(self.timing.times) * self.timing.rate
         off = np.median(np.abs(steps - np.round(steps))) if len(steps) else 0.0
@@ -42,7 +42,13 @@ class Clock:
         is_guessed = self.kind == "number" and unit_of(self.name) is None
         of_media = is_of_media(self.name) and not is_guessed
         # A clip keeps its timecodes, so that they stay those that everybody knows.
-        return self.kind == "timecode", of_media, is_even, not is_of_wall(self.name)
+        return (
+            self.kind == "timecode",
+            of_media,
+            is_even,
+            not is_guessed,
+            not is_of_wall(self.name),
+        )
 
     def is_better(self, other: Clock) -> bool:
         """Whether it is to be believed more than one that names alone rank higher."""

@@ -8,6 +8,7 @@ from decimal import Decimal, InvalidOperation
 from faceedit_app.formats.time_names import NAMED_TIMES, UNIT_ALONE, is_scale, rank, stem, unit_of
 
 _PARTS = {"milliseconds": 1_000, "microseconds": 1_000_000, "nanoseconds": 1_000_000_000}
+_MOST = 10**18  # what no part of a time reaches
 
 
 def joined_parts(
@@ -58,10 +59,11 @@ def _scaled(values: Sequence[str], scales: Sequence[str]) -> list[str]:
 
 
 def _whole(texts: Sequence[str]) -> list[int]:
-    """The whole numbers that texts are; empty if not all of them are."""
+    """The whole numbers, from 0, that texts are; empty if not all of them are."""
     try:
         found = [Decimal(text) for text in texts]
     except InvalidOperation:
         return []
-    is_whole = all(one.is_finite() and one == one.to_integral_value() for one in found)
-    return [int(one) for one in found] if is_whole else []
+    if "_" in "".join(texts) or not all(one.is_finite() and 0 <= one < _MOST for one in found):
+        return []
+    return [int(one) for one in found] if all(one == int(one) for one in found) else []

@@ -39,6 +39,7 @@ BOTH: dict[str, tuple[str, Callable[[int], str]]] = {
         lambda n: f"{BEGIN + WORKED[n]:.6f},{n / RATE:.4f}",
     ),
     "the only even one": ("t,elapsed", lambda n: f"{WORKED[n]:.6f},{n / RATE:.4f}"),
+    "the only one whose unit is sure": ("pts,stamp", lambda n: f"{24 * n},{n / RATE:.4f}"),
     "the frame's": ("frame_time,utc_time", lambda n: f"{n / RATE:.4f},{WORKED[n]:.6f}"),
 }
 
