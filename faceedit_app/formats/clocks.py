@@ -20,7 +20,7 @@ _EVEN = 0.05  # frames by which half of the steps of an even clock may be off wh
 
 
 @dataclass(frozen=True)
-class Clock:
+class FrameClock:
     """A clock that a file has for its frames.
 
     Attributes:
@@ -50,18 +50,18 @@ class Clock:
             not is_of_wall(self.name),
         )
 
-    def is_better(self, other: Clock) -> bool:
+    def is_better(self, other: FrameClock) -> bool:
         """Whether it is to be believed more than one that names alone rank higher."""
         return self._merit > other._merit
 
-    def agrees(self, other: Clock) -> bool:
+    def agrees(self, other: FrameClock) -> bool:
         """Whether it tells the same as another one."""
         rates = self.timing.rate, other.timing.rate
         lengths = float(self.timing.times[-1]), float(other.timing.times[-1])
         return all(max(two) - min(two) <= _SAME * max(two) for two in (rates, lengths))
 
 
-def believed(clocks: Sequence[Clock]) -> tuple[int, tuple[str, ...]]:
+def believed(clocks: Sequence[FrameClock]) -> tuple[int, tuple[str, ...]]:
     """The index of the clock to believe, and notes about the first one that says something else.
 
     Args:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from faceedit_app.core.arkit import ROTATION_INDEX, ROTATIONS
 from faceedit_app.core.arrays import Doubles, Indices
 from faceedit_app.core.names import canonical_channel
-from faceedit_app.formats.clocks import Clock, believed
+from faceedit_app.formats.clocks import FrameClock, believed
 from faceedit_app.formats.digit_times import dates_of
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_rate import likely_rate
@@ -233,7 +233,7 @@ def _timing(text: JsonText, frames: JsonFrames, kept: Indices) -> Timing | NoTim
     return Timing((kept - kept[0]) / frames.rate, frames.rate)
 
 
-def _clocks_of(text: JsonText, named: Sequence[tuple[str, Sequence[Any]]]) -> list[Clock]:
+def _clocks_of(text: JsonText, named: Sequence[tuple[str, Sequence[Any]]]) -> list[FrameClock]:
     """The clocks of frames; empty if the first is none.
 
     Args:
@@ -245,7 +245,7 @@ def _clocks_of(text: JsonText, named: Sequence[tuple[str, Sequence[Any]]]) -> li
     names = [name for name, _ in named]
     joined = joined_parts(names, [[_digits(text, one) for one in times] for _, times in named])
     parts = {part for part, _ in joined.values()}
-    found: list[Clock] = []
+    found: list[FrameClock] = []
     for k, (name, times) in enumerate(named):
         if k in parts or is_scale(name):
             continue
@@ -258,7 +258,7 @@ def _clocks_of(text: JsonText, named: Sequence[tuple[str, Sequence[Any]]]) -> li
             if k == 0:
                 raise
         else:
-            found.append(Clock(name, kind, timing))
+            found.append(FrameClock(name, kind, timing))
     return found
 
 
@@ -269,7 +269,7 @@ def _digits(text: JsonText, entry: Any) -> str:
 
 
 def _clock_times(text: JsonText, times: Sequence[Any], name: str) -> tuple[str, Timing]:
-    """The kind (`Clock.kind`) and the times of numbers, or of dates and the like."""
+    """The kind (`FrameClock.kind`) and the times of numbers, or of dates and the like."""
     numbers = [text.number(entry) for entry in times]
     if None not in numbers:
         values = np.array(numbers, np.float64)

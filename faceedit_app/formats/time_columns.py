@@ -14,7 +14,7 @@ from datetime import datetime
 import numpy as np
 
 from faceedit_app.core.errors import FileError
-from faceedit_app.formats.clocks import Clock, believed
+from faceedit_app.formats.clocks import FrameClock, believed
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.digit_times import clocks_of, dates_of, with_zeros
 from faceedit_app.formats.files import REPAIR, shown
@@ -128,7 +128,7 @@ def read_times(
 def _believed(table: Table, found: Sequence[RowTimes]) -> RowTimes:
     """One of the columns that have times, with a note if another one says something else."""
     clocks = [
-        Clock(table.names[one.column], one.kind, one.timing)
+        FrameClock(table.names[one.column], one.kind, one.timing)
         for one in found
         if one.column is not None and isinstance(one.timing, Timing)
     ]

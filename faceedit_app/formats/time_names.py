@@ -13,9 +13,9 @@ UNIT_WORDS = {
     **dict.fromkeys(("ms", "msec", "millis", "milliseconds", "millisekunden"), "milliseconds"),
     **dict.fromkeys(("us", "usec", "micros", "microseconds"), "microseconds"),
     **dict.fromkeys(("ns", "nsec", "nanos", "nanoseconds"), "nanoseconds"),
-    **dict.fromkeys(("msecs", "millisec", "millisecs", "millisecond"), "milliseconds"),
-    **dict.fromkeys(("usecs", "microsec", "microsecs", "microsecond"), "microseconds"),
-    **dict.fromkeys(("nsecs", "nanosec", "nanosecs", "nanosecond"), "nanoseconds"),
+    **dict.fromkeys(("msecs", "millisec", "millisecs"), "milliseconds"),
+    **dict.fromkeys(("usecs", "microsec", "microsecs"), "microseconds"),
+    **dict.fromkeys(("nsecs", "nanosec", "nanosecs"), "nanoseconds"),
     "ticks": TICKS,
 }
 _TIME_WORDS = {

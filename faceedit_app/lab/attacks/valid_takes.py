@@ -80,6 +80,10 @@ def _tables() -> Iterator[tuple[str, bytes]]:
     lists = ([c, *(str(row[c]) for row in rows)] for c in rows[0])
     turned = [["time_s", *(f"{n / _RATE:.4f}" for n in range(len(rows)))], *lists]
     yield ".csv", "\n".join(map(",".join, turned)).encode()
+    stamps = [f"9,{n * 10**9 // _RATE},{1000 * n / _RATE:.1f}" for n in range(len(rows))]
+    clocks = ["stamp.secs,stamp.nsecs,video_ms", *stamps]
+    with_clocks = map(",".join, zip(clocks, plain.decode().splitlines(), strict=True))
+    yield ".csv", "\n".join(with_clocks).replace("time_s,", "time,").encode()
     quoted = ('"' + line.replace(",", '","') + '"' for line in plain.decode().splitlines())
     yield ".csv", "\r\n".join(quoted).encode()
 
