@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from array import array
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import chain, islice
 from pathlib import Path
@@ -57,7 +57,7 @@ class TableRows:
         numbers: (T, N) float64, finite.
         lines: (T) the index of the line of each frame.
         lost_lines: (R - T) the index of the line of each row that has no frame.
-        units: (N,) what a row of units says of the number columns; empty if there is none.
+        units: what a row of units says of the columns that are read; empty if there is none.
     """
 
     texts: list[tuple[str, ...]]
@@ -65,7 +65,7 @@ class TableRows:
     numbers: Doubles
     lines: list[int]
     lost_lines: tuple[int, ...] = ()
-    units: tuple[str, ...] = ()
+    units: dict[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class Table:
         lines: list[int] = []
         flagged: list[bool] = []
         flat = array("d")
-        units: tuple[str, ...] = ()
+        units: dict[int, str] = {}
         head = self.cells(self.header) if self.header >= 0 else [b""]
         head[0] = head[0].removeprefix(BOM)
         nothing, width = array("d", [np.nan]) * len(number_columns), len(self.names)
@@ -158,7 +158,7 @@ class Table:
             if cells[0] == head[0] and cells == head:  # repeated, as on each page of a print
                 continue
             if not texts and _is_units(cells, text_columns, number_columns):
-                units = tuple(plain_text(cells[k]) for k in number_columns)
+                units = {k: plain_text(cells[k]) for k in (*number_columns, *text_columns)}
                 continue
             if len(cells) == width or self._fits(line, cells, number_columns, flag):
                 flat.extend(self._numbers(line, cells, number_columns))
@@ -336,15 +336,15 @@ def _is_comment(line: bytes) -> bool:
 def _is_units(cells: Cells, texts: Sequence[int], numbers: Sequence[int]) -> bool:
     """Whether a row holds units or ranges, such as `s` and `[0-1]`, instead of a frame.
 
-    A weight without a unit may be `-`, as in a row that lost the face, if a time has one.
+    A weight without a unit may be `-`, as in a row that lost the face, or 1, if a time has one.
     """
     if max([*texts, *numbers]) >= len(cells):
         return False
     shown = [plain_text(cells[k]) for k in numbers]
+    if any(is_time_unit(plain_text(cells[k])) for k in texts):
+        return not any(is_number(one) and one != "1" for one in shown)
     if any(map(is_number, shown)):
         return False
-    if any(is_time_unit(plain_text(cells[k])) for k in texts):
-        return True
     if any(text and is_missing(text) for text in shown):
         return False
     digits = any(character.isdigit() for k in texts for character in plain_text(cells[k]))

@@ -16,12 +16,8 @@ from faceedit_app.core.clip import Clip
 from faceedit_app.core.errors import FileError
 from faceedit_app.core.names import naming_of
 from faceedit_app.formats.csv_source import Columns, CsvSource, find_channels
-from faceedit_app.formats.csv_table import (
-    Table,
-    TableRows,
-    first_rows,
-    read_table,
-)
+from faceedit_app.formats.csv_table import Table, TableRows, first_rows, read_table
+from faceedit_app.formats.csv_turns import turned_in
 from faceedit_app.formats.faceless import lost_places, told_times
 from faceedit_app.formats.files import LONGEST_NAME, shown
 from faceedit_app.formats.json_text import looks_like_json
@@ -37,7 +33,7 @@ from faceedit_app.formats.lost_faces import (
 from faceedit_app.formats.name_notes import empty_notes, nameless_notes, own_name_notes
 from faceedit_app.formats.numbers import is_number
 from faceedit_app.formats.rates import nominal_rate
-from faceedit_app.formats.rotations import Turned, found_rotations, read_rotations
+from faceedit_app.formats.rotations import Turned, found_rotations
 from faceedit_app.formats.several_faces import (
     check_each_once,
     clock_columns,
@@ -314,7 +310,7 @@ def _guessed_times(table: Table, column: int, cells: list[str], rows: TableRows)
 
 def _says_percent(table: Table, columns: Columns, rows: TableRows) -> bool:
     """Whether the names of the channels, or a row of units, say that the weights are percent."""
-    said = [unit for unit in rows.units if unit]
+    said = [unit for k in columns.indices if (unit := rows.units.get(k))]
     if not said:  # the end of each name
         said = [re.split(r"[\s_]+|(?=[\[(])", table.names[k])[-1] for k in columns.indices]
     return bool(said) and all(map(_PERCENT.fullmatch, said))
@@ -353,14 +349,8 @@ def _ticks(places: _Places, rows: TableRows, times: RowTimes) -> tuple[int, floa
 
 
 def _rotations(table: Table, places: _Places, rows: TableRows) -> Turned:
-    """The rotations; none if a cell is not a number."""
-    try:
-        cells = [places.cells(rows, column) for column in places.turns.values()]
-        values = np.array(cells, np.float64).T
-    except ValueError:
-        return Turned()
-    own = [table.names[column] for column in places.turns.values()]
-    return read_rotations(values, tuple(places.turns), own, lambda row, _: rows.lines[row] + 1)
+    cells = [places.cells(rows, column) for column in places.turns.values()]
+    return turned_in(table, places.turns, cells, rows)
 
 
 def _confidence(places: _Places, rows: TableRows) -> Floats | None:

@@ -1,7 +1,7 @@
 """Face Cap TXT, recorded by the iPhone application of that name.
 
 Lines of cells between commas: `info,...`; `bs,` and the names; then a line a frame, `k,T,` with T
-in milliseconds since the start, ten numbers for head and eyes, and the weights.
+in milliseconds since the start, ten numbers for head and eyes (angles in degrees), and the weights.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from faceedit_app.formats.take import Take
 FORMAT = "Face Cap TXT"
 _HEAD = 1 << 16
 _NAMES, _FRAME = b"bs,", b"k,"
+# Names that the file does not have. Face Cap always writes degrees, however far the head turns.
 _POSE = (
-    *("headX", "headY", "headZ", "headPitch", "headYaw", "headRoll"),
+    *("headX", "headY", "headZ", "headPitch_deg", "headYaw_deg", "headRoll_deg"),
     *("leftEyeX", "leftEyeY", "rightEyeX", "rightEyeY"),
 )
 

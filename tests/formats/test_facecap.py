@@ -45,3 +45,18 @@ def test_a_recording_without_frames_is_refused(tmp_path: Path) -> None:
     path.write_text("".join(recordings.facecap(WEIGHTS).splitlines(keepends=True)[:2]))
     with pytest.raises(FileError, match="holds no frames"):
         open_take(path)
+
+
+def test_the_angles_of_a_calm_head_are_degrees_and_stay_so(tmp_path: Path) -> None:
+    path, out = tmp_path / "take.txt", tmp_path / "out.txt"
+    path.write_text(recordings.facecap(WEIGHTS))
+    take = open_take(path)
+    rotations = take.clip.rotations
+    assert rotations is not None
+    np.testing.assert_allclose(rotations[:, :3], np.radians([[-2.0, 1.5, 0.3]] * 40), atol=1e-6)
+    assert not any("degrees" in note for note in take.notes)
+    turned = rotations.copy()
+    turned[3, 0] = np.radians(4)
+    write_take(out, take, take.clip.weights, turned)
+    before, after = path.read_bytes().split(b","), out.read_bytes().split(b",")
+    assert [float(b) for a, b in zip(before, after, strict=True) if a != b] == [4]
