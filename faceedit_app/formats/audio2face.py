@@ -24,6 +24,7 @@ from faceedit_app.formats.take import Take
 
 FORMAT = "Audio2Face JSON"
 _NAMES = ("facsNames", "poseNames", "blendShapeNames")
+_READ = (*_NAMES, "weightMat", "timeCodes", CONFIDENCE)
 
 
 def sniff(content: bytes) -> float:
@@ -54,6 +55,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         rate=frame_rate(text, document),
         notes=wrong,
         sure=as_list(document.get(CONFIDENCE)),
+        beside=tuple(key for key, value in document.items() if key not in _READ and as_list(value)),
     )
     return json_take(text, FORMAT, frames, fps)
 

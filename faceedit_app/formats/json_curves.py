@@ -8,7 +8,7 @@ frames if all channels that move have them at the same times.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
@@ -24,6 +24,7 @@ from faceedit_app.formats.json_entries import (
 )
 from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, NumberPlace, as_list, as_object
+from faceedit_app.formats.rotations import rotation_named
 from faceedit_app.formats.time_columns import time_columns
 
 _SERIES = ("values", "weights", "scores", "data", "keys", "keyframes", "keyframepoints", "samples")
@@ -57,18 +58,30 @@ def curves(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | N
         return None
     channels = {name: series for name, series in found.items() if naming(name)}
     keyed = {name: keys for name, series in channels.items() if (keys := _keys(series))}
+    others = tuple(name for name in found if name not in channels and not time_columns([name]))
     if len(keyed) == len(channels):
-        return _keyed(text, keyed, naming, rate)
+        return replace(_keyed(text, keyed, naming, rate), beside=others)
     length = max(map(len, channels.values()))
     clocks = {**_series(as_object(document)), **found}
     names = list(clocks)
     ranked = [names[k] for k in time_columns([name or "-" for name in names])]
     clock = next((name for name in ranked if len(clocks[name]) == length), None)
-    rows = [list(row) for row in zip(*channels.values(), strict=False)]
+    turns = {
+        name: found[name]
+        for name in others
+        if rotation_named(name) and len(found[name]) == length and _are_numbers(found[name])
+    }
+    rows = [list(row) for row in zip(*channels.values(), *turns.values(), strict=False)]
     if any(len(series) != length for series in channels.values()):
         rows.append([None])  # reported as a row of the wrong length
     times = clocks[clock] if clock else found_times(document, length)
-    return JsonFrames(list(channels), rows, times, clock or "time", rate, naming)
+    beside = tuple(name for name in others if name not in turns and name != clock)
+    names = [*channels, *turns]
+    return JsonFrames(names, rows, times, clock or "time", rate, naming, beside=beside)
+
+
+def _are_numbers(series: Sequence[Any]) -> bool:
+    return all(isinstance(entry, NumberPlace) for entry in series)
 
 
 def found_times(document: Any, length: int) -> Sequence[Any]:

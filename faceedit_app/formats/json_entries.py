@@ -14,6 +14,7 @@ from itertools import islice
 from typing import Any
 
 from faceedit_app.formats.files import shown
+from faceedit_app.formats.json_beside import Beside, beside
 from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, NumberPlace, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
@@ -70,9 +71,14 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     named = dict.fromkeys(name for row in weights for name in row)
     names = [name for name in named if not clock or name != clock[-1]]
     times = [value_at(entry, clock) for entry in entries] if clock else list(keys)
+    others = _beside([e for e, row in zip(entries, weights, strict=True) if row], named, naming)
+    rows = [
+        [*(row.get(name) for name in names), *others.row(entry)] if row else []
+        for entry, row in zip(entries, weights, strict=True)
+    ]
     return JsonFrames(
-        names,
-        [[row.get(name) for name in names] if row else [] for row in weights],
+        [*names, *others.turns],
+        rows,
         times if None not in times else (),
         clock[-1] if clock else "time",
         rate,
@@ -80,7 +86,19 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         others=[(keys[-1], [value_at(entry, keys) for entry in entries]) for keys in others],
         unread=(*faces, *_unread(sets)),
         sure=[_sureness(entry) for entry in entries],
+        beside=others.keys,
     )
+
+
+def _beside(frames: Sequence[Any], names: Mapping[str, None], naming: Naming) -> Beside:
+    """What frames have besides the weights of these names, and times."""
+
+    def skips(key: str, value: Any) -> bool:
+        if isinstance(value, dict):
+            return bool(naming(key)) or any(_nested((key,), value, naming))
+        return key in names or bool(next(_sets(value, naming), {}))
+
+    return beside(frames, skips, lambda value: bool(next(_sets(value, naming), {})))
 
 
 def _lists(entry: Any, depth: int) -> Iterator[FrameList]:

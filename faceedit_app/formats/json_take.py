@@ -16,6 +16,7 @@ from faceedit_app.core.names import canonical_channel
 from faceedit_app.formats.clocks import FrameClock, believed
 from faceedit_app.formats.digit_times import dates_of
 from faceedit_app.formats.files import LONGEST_NAME, shown
+from faceedit_app.formats.json_beside import stated_units
 from faceedit_app.formats.json_rate import likely_rate
 from faceedit_app.formats.json_text import JsonSource, JsonText, NumberPlace, Places, as_list
 from faceedit_app.formats.lost_faces import CONFIDENCE, confidence_of, lost_rows
@@ -39,6 +40,7 @@ from faceedit_app.formats.timing import (
     single_row,
 )
 
+HEAD = frozenset(name for name in ROTATIONS if name.startswith("head"))
 Naming = Callable[[str], str | None]
 """The channel that a name in a file means, or None."""
 
@@ -60,6 +62,7 @@ class JsonFrames:
         notes: what is unusual about them.
         unread: as `Take.unread`.
         sure: (R) how sure the tracker was of each frame, numbers; empty if the file does not say.
+        beside: the keys of what else the frames have.
     """
 
     names: Sequence[Any]
@@ -72,6 +75,7 @@ class JsonFrames:
     unread: tuple[str, ...] = ()
     sure: Sequence[Any] = ()
     others: Sequence[tuple[str, Sequence[Any]]] = ()
+    beside: tuple[str, ...] = ()
 
 
 def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) -> Take:
@@ -103,11 +107,13 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
     _check_one_face(text, frames, kept, values[np.ix_(kept, filled)])
     turned = found_rotations(frames.names)
     turn_places = _places(text, frames, list(turned.values()))[kept]
+    units = stated_units(text) if turned else {}
     found = read_rotations(
         text.look_up(turn_places),
         tuple(turned),
         [str(frames.names[k]) for k in turned.values()],
         lambda frame, k: text.line(int(turn_places[frame, k])),
+        [units.get("head" if name in HEAD else "eye", units.get("")) for name in turned],
     )
     used = {columns[channel] for channel in channels}
     recording = Recording(
@@ -123,6 +129,7 @@ def json_take(text: JsonText, name: str, frames: JsonFrames, fps: float | None) 
                 for k, n in enumerate(frames.names)
                 if k not in used and n != frames.time_name
             ),
+            *(shown(key, LONGEST_NAME) for key in frames.beside),
             *(() if sure_places is None else (CONFIDENCE,)),
         ),
         own=tuple(str(frames.names[columns[channel]]) for channel in channels),

@@ -11,6 +11,7 @@ import re
 from pathlib import Path
 
 from faceedit_app.core.names import naming_of
+from faceedit_app.formats.json_beside import beside
 from faceedit_app.formats.json_rate import frame_rate
 from faceedit_app.formats.json_take import JsonFrames, json_take
 from faceedit_app.formats.json_text import as_list, as_object, looks_like_json, read_json
@@ -42,16 +43,27 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     document = as_object(text.document)
     lists = {name.replace("_", "").lower(): entry for name, entry in document.items() if entry}
     entries = next((as_list(lists[key]) for key in _FRAME_KEYS if key in lists), [])
+    others = beside(entries, lambda key, value: key == "weights")
     weights = [as_object(entry).get("weights", entry) for entry in entries]
+    if others.turns:
+        rows = zip(entries, map(as_list, weights), strict=True)
+        weights = [[*row, *others.row(entry)] if row else [] for entry, row in rows]
     times = [as_object(entry).get("time") for entry in entries]
     if None in times:
         times = next((as_list(lists[key]) for key in _TIME_KEYS if key in lists), [])
     names = next((as_list(lists[key]) for key in _NAME_KEYS if key in lists), [])
+    known = (*_FRAME_KEYS, *_TIME_KEYS, *_NAME_KEYS)
+    lists_beside = (
+        key
+        for key, value in document.items()
+        if key.replace("_", "").lower() not in known and len(as_list(value)) == len(entries) > 1
+    )
     frames = JsonFrames(
-        names,
+        [*names, *others.turns],
         weights,
         times if len(times) == len(entries) else (),
         rate=frame_rate(text, document),
         naming=naming_of(name for name in names if isinstance(name, str)),
+        beside=(*others.keys, *lists_beside),
     )
     return json_take(text, FORMAT, frames, fps)

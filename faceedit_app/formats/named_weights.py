@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from faceedit_app.core.names import canonical_channel, naming_of
+from faceedit_app.formats.json_beside import beside
 from faceedit_app.formats.json_curves import curves, dicts, found_times
 from faceedit_app.formats.json_entries import (
     DEEPEST,
@@ -130,7 +131,17 @@ def _matrix(text: JsonText, naming: Naming, rate: float | None) -> JsonFrames | 
                 times = [row[column] if row else None for row in weights]
             if None in times or not times:
                 times = list(found_times(document, len(entries)))
-            return JsonFrames(names, weights, times, clock[-1] if clock else "time", rate, naming)
+            others = beside(entries, lambda key, value: bool(_row(value, len(names))))
+            pairs = zip(entries, weights, strict=True)
+            return JsonFrames(
+                [*names, *others.turns],
+                [[*row, *others.row(entry)] if row else [] for entry, row in pairs],
+                times,
+                clock[-1] if clock else "time",
+                rate,
+                naming,
+                beside=others.keys,
+            )
     return None
 
 

@@ -36,6 +36,10 @@ _LINE = re.compile(
 )
 _ATTRIBUTE = re.compile(rb"blendShape\.([^\r\n]+)")
 _SECTIONS = (b"m_FloatCurves", b"m_EditorCurves")
+# Turns, places and sizes of bones, each as three or four numbers a key.
+_OF_BONES = re.compile(
+    rb"^  (m_(?:Rotation|CompressedRotation|Euler|Position|Scale)Curves): *\r?\n(?= *-)", re.M
+)
 _SECTION_INDENT = 2
 _STILL = 2  # keys of a curve that does not move
 _BAKE = "export it with a key for every frame, or as CSV"
@@ -92,6 +96,7 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
     copies = _copies(path, content, columns)
     still = len({channel for channel, _ in named} - columns.keys())
     others = {curve.name for curve in curves if naming(curve.name) is None}
+    bones = [found.decode() for found in _OF_BONES.findall(content)]
     recording = Recording(
         path=path,
         format=FORMAT,
@@ -99,8 +104,8 @@ def read(path: Path, content: bytes, fps: float | None) -> Take:
         values=values,
         timing=time_keys(path, np.array(longest.times), "sort the keys by time"),
         lost=np.zeros(len(values), bool),
-        carried=tuple(shown(name, LONGEST_NAME) for name in sorted(others)),
         own=tuple(curve.name for curve in first),
+        carried=tuple(shown(name, LONGEST_NAME) for name in (*sorted(others), *bones)),
         notes=(*_still_notes(still), _SLOPES),
         unread=unread,
         scale=PERCENT if np.abs(values).max() > 1 else None,
