@@ -15,13 +15,12 @@ from typing import Any
 
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.json_beside import Beside, beside
+from faceedit_app.formats.json_clocks import clock_keys, running_clocks, text_of, value_at
 from faceedit_app.formats.json_take import JsonFrames, Naming
 from faceedit_app.formats.json_text import JsonText, NumberPlace, as_object
 from faceedit_app.formats.long_form import Key, Repeated, group
 from faceedit_app.formats.lost_faces import CONFIDENCE, is_flag, says_lost
 from faceedit_app.formats.several_faces import names_faces, take_turns
-from faceedit_app.formats.time_columns import time_columns
-from faceedit_app.formats.time_names import UNIT_ALONE, is_scale, rank
 from faceedit_app.formats.timecode import is_timecode
 
 DEEPEST = 5
@@ -65,7 +64,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
     lost = [_is_lost(text, entry) for entry in entries]
     if not all(lost):  # else the flag is never set
         weights = [{} if gone else row for gone, row in zip(lost, weights, strict=True)]
-    clock, *others = _running_clocks(
+    clock, *clocks = running_clocks(
         text, [entry for entry, row in zip(entries, sets, strict=True) if row]
     )
     named = dict.fromkeys(name for row in weights for name in row)
@@ -83,7 +82,7 @@ def entry_frames(text: JsonText, naming: Naming, rate: float | None) -> JsonFram
         clock[-1] if clock else "time",
         rate,
         naming,
-        others=[(keys[-1], [value_at(entry, keys) for entry in entries]) for keys in others],
+        others=[(at[-1], [value_at(entry, at) for entry in entries]) for at in clocks],
         unread=(*faces, *_unread(sets)),
         sure=[_sureness(entry) for entry in entries],
         beside=others.keys,
@@ -137,7 +136,7 @@ def _of_one_face(found: FrameList, naming: Naming) -> tuple[FrameList, tuple[str
 def _of_first_face(text: JsonText, entries: Sequence[Any]) -> tuple[Sequence[Any], tuple[str, ...]]:
     """The entries without those of other faces, if faces that are numbered take turns."""
     key = next((key for key in as_object(entries[0]) if names_faces(key)), None)
-    labels = [] if key is None else [_text_of(text, as_object(e).get(key)) for e in entries]
+    labels = [] if key is None else [text_of(text, as_object(e).get(key)) for e in entries]
     if not take_turns(labels):
         return entries, ()
     of_first = [entry for entry, one in zip(entries, labels, strict=True) if one == labels[0]]
@@ -201,7 +200,7 @@ def _is_number(text: str) -> bool:
 def _is_lost(text: JsonText, entry: Any) -> bool:
     """Whether a frame says that the face was not tracked: false, or a confidence of 0."""
     flags = ((key, value) for key, value in as_object(entry).items() if is_flag(key))
-    return any(says_lost(key, _text_of(text, value)) for key, value in flags)
+    return any(says_lost(key, text_of(text, value)) for key, value in flags)
 
 
 def _sureness(entry: Any) -> Any:
@@ -331,52 +330,6 @@ def letters(key: str) -> str:
     return re.sub(r"[\W_]", "", key[:_LONGEST_KEY]).lower()
 
 
-def _clock_keys(entry: Mapping[str, Any]) -> list[str]:
-    """The keys of an object that may hold times, the most reliable first."""
-    keys = list(entry)
-    found = (keys[k] for k in time_columns([key or "-" for key in keys]))
-    return [key for key in found if isinstance(entry[key], NumberPlace | str)]
-
-
-def clock_of(frame: Any) -> tuple[str, ...]:
-    """Where a frame's time is: its key, below another one if need be; empty if there is none."""
-    return next(_clocks(frame), ())
-
-
-def _clocks(frame: Any) -> Iterator[tuple[str, ...]]:
-    """Where a frame's times may be, the most reliable first."""
-    entry = as_object(frame)
-    yield from ((key,) for key in _clock_keys(entry))
-    for key, value in entry.items():
-        if isinstance(value, dict):
-            yield from ((key, *below) for below in _clocks(value))
-
-
-def _running_clocks(text: JsonText, frames: Sequence[Any]) -> list[tuple[str, ...]]:
-    """Where the times of frames are: the first place that is not the same in all of them.
-
-    What else may tell or complete them follows. The place is empty if there is none.
-    """
-    found = list(_clocks(frames[0]))
-    tried = (frames[0], frames[len(frames) // 2], frames[-1])
-    times = [keys for keys in found if not is_scale(keys[-1])]
-    running = (
-        keys
-        for keys in times
-        if len({_text_of(text, value_at(frame, keys)) for frame in tried}) > 1
-    )
-    clock = next(running, next(iter(times), ()))
-    others = (keys for keys in found if rank(keys[-1]) <= UNIT_ALONE or is_scale(keys[-1]))
-    return [clock, *(keys for keys in others if keys != clock)]
-
-
-def value_at(entry: Any, keys: Sequence[str]) -> Any:
-    """What is below these keys of an entry."""
-    for key in keys:
-        entry = as_object(entry).get(key)
-    return entry
-
-
 # --- an entry per weight -------------------------------------------------------------------------
 
 
@@ -389,10 +342,10 @@ def single_weights(text: JsonText, naming: Naming, rate: float | None) -> JsonFr
             break
     else:
         return None
-    clocks = _clock_keys(as_object(entries[0]))
+    clocks = clock_keys(as_object(entries[0]))
     named = [pair for entry in entries if (pair := _named_number(entry)) is not None]
     kept = [as_object(entry) for entry in entries if _named_number(entry) is not None]
-    keys: list[Key] = [tuple(_text_of(text, entry.get(k)) for k in clocks) for entry in kept]
+    keys: list[Key] = [tuple(text_of(text, entry.get(k)) for k in clocks) for entry in kept]
     try:
         _, names, places = group([name for name, _ in named], keys)
     except Repeated as repeated:
@@ -402,8 +355,3 @@ def single_weights(text: JsonText, naming: Naming, rate: float | None) -> JsonFr
     weights = [[named[n][1] if n >= 0 else None for n in row] for row in places.tolist()]
     times = [kept[int(row.max())].get(clocks[0]) for row in places] if clocks else ()
     return JsonFrames(names, weights, times, clocks[0] if clocks else "time", rate, naming)
-
-
-def _text_of(text: JsonText, value: Any) -> str:
-    number = text.number(value)
-    return str(value if number is None else number)

@@ -15,15 +15,14 @@ from typing import Any
 
 from faceedit_app.core.names import canonical_channel, naming_of
 from faceedit_app.formats.json_beside import beside
+from faceedit_app.formats.json_clocks import clock_of, value_at
 from faceedit_app.formats.json_curves import curves, dicts, found_times
 from faceedit_app.formats.json_entries import (
     DEEPEST,
     MOST_NAMES,
     TRIED,
-    clock_of,
     entry_frames,
     single_weights,
-    value_at,
 )
 from faceedit_app.formats.json_rate import frame_rate
 from faceedit_app.formats.json_take import JsonFrames, Naming, json_take

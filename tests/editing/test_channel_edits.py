@@ -291,9 +291,12 @@ def test_rows_that_get_a_face_get_the_edited_rotations(tmp_path: Path) -> None:
     assert (written.rotations == 0).all()
 
 
-@pytest.mark.parametrize("channel", ["headYaw", "leftEyePitch"])
+@pytest.mark.parametrize(
+    ("channel", "farthest"),
+    [("headYaw", 85), ("headPitch", 85), ("headRoll", 180), ("leftEyePitch", 50)],
+)
 def test_rotations_that_an_edit_makes_wild_are_read_as_they_are_shown(
-    channel: str, tmp_path: Path
+    channel: str, farthest: float, tmp_path: Path
 ) -> None:
     """They stay what a head or an eye can be; those beyond it are read as degrees."""
     session = turning(tmp_path, channel)
@@ -301,7 +304,7 @@ def test_rotations_that_an_edit_makes_wild_are_read_as_they_are_shown(
         session.add(of_channels(Op.SCALE, channel, value=9.0, span=(0.0, 9.0)))
     assert session.rotations is not None
     most = np.degrees(np.abs(session.rotations).max())
-    assert most == pytest.approx(180 if channel == "headYaw" else 60, abs=0.1)
+    assert most == pytest.approx(farthest, abs=0.1)
     session.export(tmp_path / "out.csv")
     back = open_take(tmp_path / "out.csv").clip.rotations
     assert back is not None

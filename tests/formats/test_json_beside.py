@@ -67,7 +67,10 @@ def test_the_rest_is_told_by_its_keys(tmp_path: Path) -> None:
 
 
 def test_lists_beside_those_of_channels_are_read_or_told(tmp_path: Path) -> None:
-    lists = {"time": [n / 30 for n in range(30)], "jawOpen": [0.01 * n for n in range(30)]}
+    lists: dict[str, list[object]] = {
+        "time": [n / 30 for n in range(30)],
+        "jawOpen": [0.01 * n for n in range(30)],
+    }
     lists |= {"headYaw": TURNS[:, 0].tolist(), "transform": [[1, 0]] * 30}
     path = tmp_path / "take.json"
     path.write_text(json.dumps(lists))

@@ -340,7 +340,8 @@ def test_a_curve_that_the_character_lacks_is_disabled_and_says_why(qtbot: QtBot)
     able = {plot.control.id: plot.isEnabled() for plot in panel.plots}
     assert able.pop(MOUTH_WIDTH) is False
     assert all(able.values())
-    plot, header = (row[CONTROL_INDEX[MOUTH_WIDTH]] for row in (panel.plots, panel.headers))
+    index = CONTROL_INDEX[MOUTH_WIDTH]
+    plot, header = panel.plots[index], panel.headers[index]
     assert "lacks the control points" in header.toolTip()
     said: list[str] = []
     plot.refused.connect(said.append)

@@ -27,9 +27,9 @@ from faceedit_app.editing.solving.request import active, smoothing, smoothing_fr
 from faceedit_app.editing.solving.rounding import rounded
 
 WEIGHTS = len(ARKIT_INDEX)
-# How far an edit goes, unless the take is there already: weights, then degrees of head and eyes. A
-# phone may lie upside down; an eye that turned by a right angle would look into the head.
-_FARTHEST = np.array([1.0] * WEIGHTS + [180.0] * 3 + [60.0] * 6)
+# How far an edit goes, unless the take is there already: weights, then degrees of the head (yaw,
+# pitch, roll) and the eyes. Beyond this a file is taken to be in degrees, or gets a remark.
+_FARTHEST = np.array([1.0] * WEIGHTS + [85.0, 85.0, 180.0] + [50.0] * 6)
 _LOWEST = -_FARTHEST * (np.arange(len(CHANNELS)) >= WEIGHTS)
 
 

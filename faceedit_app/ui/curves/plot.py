@@ -267,7 +267,7 @@ class CurvePlot(pg.GraphicsLayoutWidget, Mouse):
         """Say why a press does nothing; a disabled widget gets no events itself."""
         if event.type() == QEvent.Type.MouseButtonPress and not self.isEnabled():
             self.refused.emit(self.toolTip())
-        return super().eventFilter(watched, event)
+        return bool(super().eventFilter(watched, event))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue the gesture on the curve, else let pyqtgraph handle it."""
