@@ -100,7 +100,8 @@ def _frame_numbers(values: Times, steps: Times, name: str) -> NoTimes:
 
 def _usual_step(steps: Times) -> float:
     """From row to row, of frame numbers; of those that step by 2, 3, 2, 2, 3 the mean."""
-    step = float(np.percentile(steps[steps > 0], 50, method="lower"))
+    forward = np.sort(steps[steps > 0])
+    step = float(forward[(len(forward) - 1) // 2])
     near = steps[np.abs(steps - step) <= 1]
     if step == 1 or np.mean(near != step) < _OFTEN:
         return step
