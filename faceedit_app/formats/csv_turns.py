@@ -8,6 +8,7 @@ import numpy as np
 
 from faceedit_app.formats.csv_table import Table, TableRows
 from faceedit_app.formats.rotations import Turned, read_rotations, unit_in_lines, unit_named
+from faceedit_app.formats.table_ends import lines_before
 
 
 def turned_in(
@@ -26,7 +27,6 @@ def turned_in(
     except ValueError:
         return Turned()
     own = [table.names[column] for column in turns.values()]
-    before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
-    stated = unit_in_lines(before)
+    stated = unit_in_lines(lines_before(table))
     said = [unit_named(rows.units.get(column, "")) or stated for column in turns.values()]
     return read_rotations(values, tuple(turns), own, lambda row, _: rows.lines[row] + 1, said)

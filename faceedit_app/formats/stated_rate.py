@@ -13,6 +13,7 @@ from faceedit_app.core.arrays import Indices
 from faceedit_app.formats.csv_table import Table
 from faceedit_app.formats.files import shown
 from faceedit_app.formats.rates import SET_RATE, exact_rate, nominal_rate
+from faceedit_app.formats.table_ends import lines_before
 from faceedit_app.formats.timing import FASTEST, SLOWEST, NoTimes, Timing, format_rate, shown_step
 
 _KINDS = "video|capture|source|camera|export|record(?:ing)?|nominal|avg|r|film|clip|anim(?:ation)?"
@@ -141,8 +142,7 @@ def rate_in_table(table: Table, cells: Callable[[int], Sequence[str]]) -> Stated
     column = rate_column(table.names)
     if column is not None:
         return rate_in_column(table.names[column], cells(column))
-    before = (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
-    return rate_in_lines(before, table.delimiter != b",")
+    return rate_in_lines(lines_before(table), table.delimiter != b",")
 
 
 def settled(
@@ -185,10 +185,8 @@ def by_frame_numbers(numbers: NoTimes, rate: float, says: str, rows: Indices) ->
         says: where it is from, for the note.
         rows: (T,) the rows of the frames in the file.
     """
-    slower, by = (
-        rate / numbers.step,
-        f"{says} and its frame numbers step by {shown_step(numbers.step)}",
-    )
+    slower = rate / numbers.step
+    by = f"{says} and its frame numbers step by {shown_step(numbers.step)}"
     if slower < SLOWEST:
         problem = f"has a row in {1 / slower:.3g} s, because {by}"
         return NoTimes(problem, numbers.rate, numbers.numbers, numbers.step)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from faceedit_app.formats.csv_table import Table
@@ -24,7 +25,11 @@ def without_nameless_end(table: Table) -> Table:
     return replace(table, names=table.names[: max(named, longest)])
 
 
+def lines_before(table: Table) -> Iterator[str]:
+    """The lines before a table's header, such as comments, as text."""
+    return (line.decode("utf-8", "replace") for line in table.lines[: max(table.header, 0)])
+
+
 def percent_before(table: Table) -> bool:
     """Whether a comment, or another line before the header, says that the weights are percent."""
-    before = table.lines[: max(table.header, 0)]
-    return any(says_percent(x.decode("utf-8", "replace")) for x in before if len(x) <= _LONGEST)
+    return any(says_percent(line) for line in lines_before(table) if len(line) <= _LONGEST)

@@ -133,6 +133,14 @@ COUNTED = {
 }
 
 
+def counted(folder: Path, numbers: Sequence[int], comment: str = "") -> Path:
+    """A CSV with these frame numbers, after a comment."""
+    path = folder / "take.csv"
+    rows = "".join(f"{n},0.{n % 7}\n" for n in numbers)
+    path.write_text(f"{comment}frame,jawOpen\n{rows}")
+    return path
+
+
 @pytest.mark.parametrize(("numbers", "stated", "rate", "step"), COUNTED.values(), ids=COUNTED)
 @pytest.mark.parametrize("layout", ["comment", "column", "JSON"])
 def test_a_stated_rate_is_that_of_the_frame_numbers(
@@ -146,8 +154,7 @@ def test_a_stated_rate_is_that_of_the_frame_numbers(
         rows = "".join(f"{n},{stated},0.{n % 7}\n" for n in numbers)
         path.write_text(f"frame,fps,jawOpen\n{rows}")
     else:
-        rows = "".join(f"{n},0.{n % 7}\n" for n in numbers)
-        path.write_text(f"# video fps: {stated}, stride: 2\nframe,jawOpen\n{rows}")
+        counted(tmp_path, numbers, f"# video fps: {stated}, stride: 2\n")
     take = open_take(path)
     assert take.clip.rate == pytest.approx(rate, rel=1e-4)
     exact = 60000 / 1001 if stated == 59.94 else stated
@@ -160,18 +167,14 @@ def test_a_stated_rate_is_that_of_the_frame_numbers(
 
 
 def test_frame_numbers_that_lack_some_of_every_second_are_gaps(tmp_path: Path) -> None:
-    path = tmp_path / "take.csv"
-    rows = "".join(f"{n},0.{n % 7}\n" for n in range(0, 80, 2) if n not in (40, 42))
-    path.write_text(f"# fps: 60\nframe,jawOpen\n{rows}")
-    clip = open_take(path).clip
+    numbers = [n for n in range(0, 80, 2) if n not in (40, 42)]
+    clip = open_take(counted(tmp_path, numbers, "# fps: 60\n")).clip
     assert clip.rate == 30
     assert [(gap.frame, gap.missing) for gap in clip.gaps] == [(19, 2)]
 
 
 def test_a_rate_for_every_second_frame_number_is_that_of_the_rows(tmp_path: Path) -> None:
-    path = tmp_path / "take.csv"
-    rows = "".join(f"{n},0.{n % 7}\n" for n in range(0, 80, 2))
-    path.write_text(f"frame,jawOpen\n{rows}")
+    path = counted(tmp_path, range(0, 80, 2))
     with pytest.raises(RateNeeded, match="step by 2 and does not say how many rows"):
         open_take(path)
     take = open_take(path, fps=30)
@@ -180,8 +183,6 @@ def test_a_rate_for_every_second_frame_number_is_that_of_the_rows(tmp_path: Path
 
 
 def test_a_stated_rate_that_leaves_less_than_a_row_a_second_is_asked_about(tmp_path: Path) -> None:
-    path = tmp_path / "take.csv"
-    rows = "".join(f"{n},0.{n % 7}\n" for n in range(0, 600, 15))
-    path.write_text(f"# fps: 15\nframe,jawOpen\n{rows}")
+    path = counted(tmp_path, range(0, 600, 15), "# fps: 15\n")
     with pytest.raises(RateNeeded, match='has a row in 1 s, because the file says "fps: 15"'):
         open_take(path)
